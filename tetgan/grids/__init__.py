@@ -1,0 +1,1 @@
+"""Tetrahedral grids of the unit cube: lattice, subdivision hierarchy, `.tet` files."""

@@ -1,0 +1,1 @@
+"""TetGAN, its critics, the baselines, and the PointNet++ classifier."""

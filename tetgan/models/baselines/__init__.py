@@ -1,0 +1,1 @@
+"""Systems that TetGAN is compared with."""

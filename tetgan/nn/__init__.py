@@ -1,0 +1,1 @@
+"""Layers on tetrahedral grids: convolution, pooling, upsampling, normalisation."""

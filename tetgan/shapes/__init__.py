@@ -1,0 +1,1 @@
+"""Surface meshes: sources, built-in shapes, repair, normalisation, surface sampling."""
