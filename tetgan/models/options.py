@@ -1,0 +1,50 @@
+"""Which model is built: one line of the config under `models`."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from tetgan.options import Options
+
+
+class TetganOptions(Options):
+    """TetGAN: a variational autoencoder on a tetrahedral hierarchy and its two critics (DESIGN §4)."""
+
+    kind: Literal["tetgan"] = "tetgan"
+    grid: str = Field(description="name of the grid, a key of `grids`")
+    latent: Literal["global", "tet", "conv"] = Field(
+        "global",
+        description="one code a shape (global), one a coarse tet by a shared MLP (tet) or by convolution (conv)",
+    )
+    code: int = Field(512, ge=1, description="length of a latent code; the paper's is 512")
+    width: int = Field(64, ge=1, description="channels at the finest level, doubled at each coarser one")
+    base_width: int | None = Field(
+        None, ge=1, description="channels at the coarsest level; empty: as many as `code`, like the paper"
+    )
+    pool: Literal["max", "mean"] = Field("max", description="how eight children become their parent")
+    upsample: Literal["inverse_distance", "copy"] = Field(
+        "inverse_distance", description="children average their parent and its neighbors, or copy the parent"
+    )
+    local_critic_width: int = Field(16, ge=1, description="channels of the local critic's first convolution")
+    global_critic_width: int = Field(64, ge=1, description="channels of the global critic's finest level")
+    training: dict[str, Any] = Field(
+        default_factory=dict, description="training options that differ for this model"
+    )
+
+
+class PcaOptions(Options):
+    """Principal components of the training fields: the linear yardstick."""
+
+    kind: Literal["pca"]
+    grid: str = Field(description="name of the grid, a key of `grids`")
+    components: int = Field(64, ge=1, description="number of principal components kept")
+
+
+class RepresentationOptions(Options):
+    """Ground-truth fields in place of a model: the best that any model on the grid can do."""
+
+    kind: Literal["representation"]
+    grid: str = Field(description="name of the grid, a key of `grids`")
+
+
+ModelOptions = Annotated[TetganOptions | PcaOptions | RepresentationOptions, Field(discriminator="kind")]

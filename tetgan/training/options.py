@@ -1,0 +1,59 @@
+"""How TetGAN is trained. The defaults are the paper's (DESIGN §4)."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from tetgan.options import Options
+
+
+class TrainingOptions(Options):
+    """Losses, schedule and optimiser of one training run."""
+
+    epochs: int = Field(100, ge=1, description="passes over the training split")
+    batch_size: int = Field(30, ge=1, description="shapes a step")
+    learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for the autoencoder")
+    critic_learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for both critics")
+    betas: tuple[float, float] = Field((0.0, 0.9), description="Adam's decay rates of the two moments")
+    decay: Literal["constant", "cosine"] = Field(
+        "constant", description="course of both step sizes: constant, or a half cosine down to a hundredth"
+    )
+    gradient_clip: float | None = Field(
+        None, gt=0, description="largest gradient norm of the autoencoder; empty: no clipping"
+    )
+
+    positive_weight: float = Field(1.0, gt=0, description="weight of occupied tets in the cross-entropy")
+    displacement_weight: float = Field(
+        1.0,
+        ge=0,
+        description="weight of the squared error of vertex displacements, in units of the largest one",
+    )
+    kl_weight: float = Field(1.0, ge=0, description="weight towards which the KL term rises")
+    kl_decay: float = Field(
+        0.9935,
+        ge=0,
+        lt=1,
+        description="how much of the rise is left after 5,648 shapes; smaller rises faster",
+    )
+
+    local_weight: float = Field(4.0, ge=0, description="weight of the local critic's score; 0 leaves it out")
+    global_weight: float = Field(
+        0.01, ge=0, description="weight of the global critic's score; 0 leaves it out"
+    )
+    critic_steps: int = Field(3, ge=1, description="critic batches for each adversarial generator batch")
+    gradient_penalty: float = Field(10.0, ge=0, description="weight of the critics' gradient penalty")
+    adversarial_start: float = Field(
+        0.0, ge=0, le=1, description="share of the epochs before the adversarial training begins; 1: never"
+    )
+    adversarial_every: int = Field(1, ge=1, description="autoencoder steps for each adversarial round")
+
+    ema: float | None = Field(
+        None, gt=0, lt=1, description="decay of the running mean of the weights that is kept; empty: none"
+    )
+    device: Literal["auto", "cpu", "cuda"] = Field(
+        "auto", description="where to train; auto: CUDA if present"
+    )
+    precision: Literal["fp32", "bf16"] = Field("fp32", description="number format of the convolutions")
+    validate_every: int = Field(10, ge=1, description="epochs between two validation rows of the log")
+    picture_every: int = Field(50, ge=1, description="epochs between two pictures of decoded shapes")
+    checkpoint_seconds: float = Field(120.0, ge=0, description="least time between two checkpoints")
