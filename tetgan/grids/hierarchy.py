@@ -1,0 +1,130 @@
+"""1-to-8 subdivision, and the hierarchy of grids it makes."""
+
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from tetgan.grids.adjacency import unique_edges
+from tetgan.grids.grid import TetGrid
+from tetgan.grids.lattice import lattice_points
+
+# Local vertices of a tet whose edges are cut: corners 0-3, then the midpoints of 01 02 03 12 13 23.
+_CORNER_TETS = [[0, 4, 5, 6], [4, 1, 7, 8], [5, 7, 2, 9], [6, 8, 9, 3]]
+# The corner tets leave an octahedron: its diagonals, each with the four midpoints that turn around it.
+_DIAGONALS = [(4, 9), (5, 8), (6, 7)]
+_RINGS = [(5, 6, 8, 7), (4, 7, 9, 6), (4, 5, 9, 8)]
+# (diagonal, child, local vertex)
+_CHILDREN = np.array(
+    [
+        _CORNER_TETS + [[*ends, *side] for side in pairwise([*ring, ring[0]])]
+        for ends, ring in zip(_DIAGONALS, _RINGS, strict=True)
+    ]
+)
+
+# Grids read from files are snapped to multiples of 1/630,000: coarser than the single-precision noise of
+# `.tet` files (0.8 stands there as 0.8000001), so equal lengths compare equal, and exact for decimals of four
+# places and for lattices of up to ten cells.
+_SNAP = 630_000
+
+
+@dataclass(frozen=True, eq=False)
+class GridHierarchy:
+    """Grids from coarse to fine; the children of tet i of a level are tets 8i..8i+7 of the next."""
+
+    levels: tuple[TetGrid, ...]
+
+    @property
+    def coarsest(self) -> TetGrid:
+        return self.levels[0]
+
+    @property
+    def finest(self) -> TetGrid:
+        return self.levels[-1]
+
+    @property
+    def depth(self) -> int:
+        """Number of subdivisions: one less than the number of levels."""
+        return len(self.levels) - 1
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 over the digests of all levels, hexadecimal."""
+        return hashlib.sha256("".join(grid.digest for grid in self.levels).encode()).hexdigest()
+
+
+def build_hierarchy(cells: int, depth: int) -> GridHierarchy:
+    """The cube lattice of `cells` cells a side, subdivided `depth` times."""
+    points, tets = lattice_points(cells)
+    return _subdivide(points, tets, 2 * cells, depth)
+
+
+def subdivide_hierarchy(base: TetGrid, depth: int) -> GridHierarchy:
+    """Any grid of the unit cube, subdivided `depth` times.
+
+    Vertices are first snapped to multiples of 1/630,000, so that equal lengths compare equal; that moves
+    none by more than 8e-7, and none at all of a lattice of up to ten cells.
+
+    Raises:
+        ValueError: a vertex lies outside the unit cube.
+    """
+    points = np.rint(base.vertices * _SNAP).astype(np.int64)
+    if points.min(initial=0) < 0 or points.max(initial=0) > _SNAP:
+        raise ValueError("the grid reaches outside the unit cube")
+    return _subdivide(points, base.tets, _SNAP, depth)
+
+
+def upsampling_weights(coarse: TetGrid, fine: TetGrid) -> Float[np.ndarray, "T 8 5"]:
+    """Weights of the paper's upsampling: inverse distances between centroids, each child's summing to 1.
+
+    As in the official code, the parent itself counts among its neighbours; the paper's text leaves it out.
+
+    Returns:
+        (T_coarse, 8, 5) for each parent and child: the parent, then its neighbours in slot order; 0 where
+        there is no neighbour.
+    """
+    children = fine.centroids.reshape(-1, 8, 1, 3)
+    sources = np.concatenate([np.arange(len(coarse.tets))[:, None], coarse.neighbors], axis=1)
+    distances = np.linalg.norm(coarse.centroids[sources][:, None] - children, axis=-1)
+    weights = (sources >= 0)[:, None] / distances
+    return weights / weights.sum(axis=-1, keepdims=True)
+
+
+def _subdivide(
+    points: Int[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"], unit: int, depth: int
+) -> GridHierarchy:
+    """Levels from vertices given as integers in units of 1/`unit`; each level halves the unit."""
+    levels = [TetGrid(points / unit, tets)]
+    for _ in range(depth):
+        points, tets = _subdivide_once(points, tets)
+        unit *= 2
+        levels.append(TetGrid(points / unit, tets))
+    return GridHierarchy(tuple(levels))
+
+
+def _subdivide_once(
+    points: Int[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]
+) -> tuple[Int[np.ndarray, "W 3"], Int[np.ndarray, "S 4"]]:
+    """Eight tets in place of each, on vertices in units half as large: the old ones, then the midpoints."""
+    edges, edge_of_side = unique_edges(tets)
+    finer = np.concatenate([2 * points, points[edges].sum(axis=1)])
+    local = np.concatenate([tets, edge_of_side + len(points)], axis=1)
+    children = _CHILDREN[_shortest_diagonal(finer, local)]
+    return finer, np.take_along_axis(local[:, None], children, axis=2).reshape(-1, 4)
+
+
+def _shortest_diagonal(
+    points: Int[np.ndarray, "V 3"], local: Int[np.ndarray, "T 10"]
+) -> Int[np.ndarray, "T"]:
+    """Which of the three diagonals splits each octahedron.
+
+    Lengths are exact integers. Ties are common, and go to the diagonal that has the midpoint of smallest
+    index in the grid, a rule that does not see the order of a tet's own vertices.
+    """
+    ends = local[:, _DIAGONALS]
+    lengths = ((points[ends[..., 0]] - points[ends[..., 1]]) ** 2).sum(axis=-1)
+    shortest = lengths == lengths.min(axis=1, keepdims=True)
+    return np.where(shortest, ends.min(axis=-1), len(points)).argmin(axis=1)
