@@ -1,0 +1,58 @@
+"""The order of the rooms: a room imports only from rooms above it, and nothing imports Snakemake."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).parent.parent / "tetgan"
+ROOMS = [
+    "errors",
+    "options",
+    "files",
+    "shapes",
+    "grids",
+    "rendering",
+    "fields",
+    "meshing",
+    "nn",
+    "models",
+    "training",
+    "evaluation",
+    "studies",
+    "config",
+    "cli",
+]
+MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.stem != "__init__")
+
+
+def imported_names(path: Path) -> set[str]:
+    names = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path}: relative import"
+            names.add(node.module or "")
+    return names
+
+
+def room_of(path: Path) -> str:
+    return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_a_module_imports_only_from_rooms_above_its_own(path):
+    own = ROOMS.index(room_of(path))
+    for name in imported_names(path):
+        parts = name.split(".")
+        assert parts[0] != "snakemake", f"{path} imports Snakemake"
+        if parts[0] == "tetgan" and len(parts) > 1:
+            assert ROOMS.index(parts[1]) <= own, f"{path} imports {name}, which stands below it"
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))
+def test_pymeshlab_is_imported_by_the_repair_worker_alone(path):
+    """It is GPL, and crashes on some input: it lives in the child process and nowhere else."""
+    if any(name.split(".")[0] == "pymeshlab" for name in imported_names(path)):
+        assert path.relative_to(PACKAGE).as_posix() == "shapes/repair_worker.py"

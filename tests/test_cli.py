@@ -1,0 +1,64 @@
+"""The command line: help with an example for every stage, and one clear line for every mistake."""
+
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from tetgan.cli import app
+
+COMMANDS = [command.callback.__name__ for command in app.registered_commands]
+
+
+def run(*arguments):
+    return subprocess.run(
+        [sys.executable, "-c", "from tetgan.cli import main; main()", *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_has_help_with_an_example(command):
+    result = CliRunner().invoke(app, [command, "--help"], env={"COLUMNS": "200"})
+    assert result.exit_code == 0
+    assert f"tetgan {command}" in result.output
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from tetgan.cli import app; from typer.testing import CliRunner;"
+        "CliRunner().invoke(app, ['--help']);"
+        "print([name for name in ('torch', 'trimesh', 'zarr', 'pandas', 'igl') if name in sys.modules])"
+    )
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert result.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: 1, depth: 1}"], ["absent.zip"]),
+        (["fields", "absent.zip", "out.zarr.zip", "--grid", "{cels: 1, depth: 1}"], ["--grid", "cells"]),
+        (["fields", "absent.zip", "out.zarr.zip", "--grid", "absent.yaml"], ["--grid", "absent.yaml"]),
+        (["fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: ["], ["--grid", "YAML"]),
+        (["repair", "o.zip", "--category", "chair", "--source", "{kind: directory, path: absent}"], ["absent"]),
+        (["repair", "o.zip", "--category", "chair", "--source", "{kind: magic}"], ["--source", "magic"]),
+        (["index", "absent.zarr.zip", "o.json", "--catalogue", "absent.csv", "--grid", "{cells: 1, depth: 1}"],
+         ["absent"]),
+        (["train", "absent.json", "model", "--model", "{kind: pca, grid: LR}"], ["absent.json"]),
+        (["sample", "absent", "absent.json", "out"], ["absent"]),
+    ],
+)
+def test_a_mistake_is_one_line_without_a_traceback(arguments, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run(*arguments)
+    assert result.returncode == 2
+    last = result.stderr.strip().splitlines()[-1]
+    assert last.startswith("error: ")
+    assert "Traceback" not in result.stderr
+    for word in words:
+        assert word in last
+    assert list(tmp_path.iterdir()) == []

@@ -1,0 +1,39 @@
+"""Files and folders appear whole or not at all."""
+
+import pytest
+
+from tetgan.files import whole_file, whole_folder
+
+
+def test_a_file_appears_only_when_the_block_ends(tmp_path):
+    target = tmp_path / "deep" / "table.csv"
+    with whole_file(target) as partial:
+        partial.write_text("done")
+        assert partial.suffix == target.suffix
+        assert not target.exists()
+    assert target.read_text() == "done"
+    assert list(target.parent.iterdir()) == [target]
+
+
+def test_an_error_keeps_the_older_file_and_leaves_no_rest(tmp_path):
+    target = tmp_path / "table.csv"
+    target.write_text("old")
+    with pytest.raises(RuntimeError), whole_file(target) as partial:
+        partial.write_text("half")
+        raise RuntimeError
+    assert target.read_text() == "old"
+    assert list(tmp_path.iterdir()) == [target]
+
+
+def test_a_folder_replaces_an_older_one_only_when_whole(tmp_path):
+    target = tmp_path / "samples"
+    target.mkdir()
+    (target / "stale").touch()
+    with pytest.raises(RuntimeError), whole_folder(target) as partial:
+        (partial / "half").touch()
+        raise RuntimeError
+    assert [path.name for path in target.iterdir()] == ["stale"]
+    with whole_folder(target) as partial:
+        (partial / "new").touch()
+    assert [path.name for path in target.iterdir()] == ["new"]
+    assert list(tmp_path.iterdir()) == [target]

@@ -1,0 +1,91 @@
+"""Metrics of every model and of the real shapes, and the table that stands beside the paper's.
+
+Inputs: folders of samples, repaired meshes, hold-out clouds, the extractor. Outputs: one JSON of metrics a
+model, seed and mode; one table a category, as CSV and as Markdown.
+"""
+
+
+rule evaluate_model:
+    input:
+        samples="<results>/samples/{category}/{model}/{seed}/{mode}",
+        meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
+        clouds="<results>/clouds/{category}.npz",
+        extractor="<results>/extractor/weights.safetensors",
+    output:
+        metrics="<results>/metrics/{category}/{model}/{seed}/{mode}.json",
+    log:
+        "<logs>/evaluate_model/{category}/{model}/{seed}/{mode}.log",
+    benchmark:
+        "<benchmarks>/evaluate_model/{category}/{model}/{seed}/{mode}.tsv"
+    conda:
+        "../envs/tetgan.yaml"
+    threads: 1
+    resources:
+        mem_mb=2500,
+    params:
+        identity=identity,
+        extractor=subpath(input.extractor, parent=True),
+        options=section("evaluation"),
+        code=stage_digest("models/pointnet2", "evaluation"),
+    shell:
+        "tetgan metrics {input.samples:q} {input.meshes:q} {output.metrics:q} --clouds {input.clouds:q}"
+        " --extractor {params.extractor:q} --identity {params.identity:q} --options {params.options:q}"
+        " --threads {threads} >{log:q} 2>&1"
+
+
+rule evaluate_real:
+    input:
+        meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
+        catalogue="<results>/data/{category}/catalogue.csv",
+        clouds="<results>/clouds/{category}.npz",
+        extractor="<results>/extractor/weights.safetensors",
+    output:
+        metrics="<results>/metrics/{category}/real.json",
+    log:
+        "<logs>/evaluate_real/{category}.log",
+    benchmark:
+        "<benchmarks>/evaluate_real/{category}.tsv"
+    conda:
+        "../envs/tetgan.yaml"
+    threads: 1
+    resources:
+        mem_mb=2500,
+    params:
+        extractor=subpath(input.extractor, parent=True),
+        options=section("evaluation"),
+        code=stage_digest("models/pointnet2", "evaluation"),
+    shell:
+        "tetgan floor {input.meshes:q} {output.metrics:q} --category {wildcards.category}"
+        " --catalogue {input.catalogue:q} --clouds {input.clouds:q} --extractor {params.extractor:q}"
+        " --options {params.options:q} --threads {threads} >{log:q} 2>&1"
+
+
+rule make_table:
+    input:
+        models=expand(
+            "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
+            model=config["models"],
+            seed=config["seeds"],
+            mode="paper",
+        ),
+        real="<results>/metrics/{category}/real.json",
+        paper=workflow.source_path("../resources/paper_tables.csv"),
+    output:
+        table=report(
+            "<results>/tables/{category}.csv",
+            caption="../report/table.rst",
+            category="Tables",
+            labels={"category": "{category}"},
+        ),
+        readable="<results>/tables/{category}.md",
+    log:
+        "<logs>/make_table/{category}.log",
+    conda:
+        "../envs/tetgan.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=stage_digest("evaluation"),
+    shell:
+        "tetgan table {input.models:q} {input.real:q} {output.table:q} --category {wildcards.category}"
+        " --paper {input.paper:q} >{log:q} 2>&1"

@@ -1,0 +1,54 @@
+"""Training: one generator a model and seed, and the one classifier whose features FID and KID compare.
+
+Inputs: fields of a category; point clouds of every category. Outputs: weights, the options used, a log.
+A killed training resumes from its checkpoint, which stands beside the outputs and is none of them.
+"""
+
+
+rule train_model:
+    input:
+        unpack(model_fields),
+    output:
+        weights="<results>/models/{category}/{model}/{seed}/weights.safetensors",
+        options="<results>/models/{category}/{model}/{seed}/options.json",
+    log:
+        "<logs>/train_model/{category}/{model}/{seed}.log",
+    benchmark:
+        "<benchmarks>/train_model/{category}/{model}/{seed}.tsv"
+    conda:
+        "../envs/tetgan.yaml"
+    threads: 2
+    resources:
+        mem_mb=training_mem_mb,
+    params:
+        folder=subpath(output.weights, parent=True),
+        model=section("models", "{model}"),
+        training=training_options,
+        code=stage_digest("nn", "models", "training"),
+    shell:
+        "tetgan train {input.index:q} {params.folder:q} --model {params.model:q}"
+        " --training {params.training:q} --seed {wildcards.seed} --threads {threads} >{log:q} 2>&1"
+
+
+rule train_extractor:
+    input:
+        clouds=expand("<results>/clouds/{category}.npz", category=config["sources"]),
+    output:
+        weights="<results>/extractor/weights.safetensors",
+        options="<results>/extractor/options.json",
+    log:
+        "<logs>/train_extractor.log",
+    benchmark:
+        "<benchmarks>/train_extractor.tsv"
+    conda:
+        "../envs/tetgan.yaml"
+    threads: 2
+    resources:
+        mem_mb=4000,
+    params:
+        folder=subpath(output.weights, parent=True),
+        options=section("extractor"),
+        code=stage_digest("models/pointnet2", "training/classifier"),
+    shell:
+        "tetgan extractor {input.clouds:q} {params.folder:q} --options {params.options:q}"
+        " --threads {threads} >{log:q} 2>&1"
