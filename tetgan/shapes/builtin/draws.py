@@ -1,0 +1,28 @@
+"""Small random decisions, so that a category's module reads as a description of its shapes."""
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+import numpy as np
+
+Choice = TypeVar("Choice")
+
+
+def chance(rng: np.random.Generator, probability: float) -> bool:
+    return bool(rng.random() < probability)
+
+
+def between(rng: np.random.Generator, low: float, high: float) -> float:
+    return float(rng.uniform(low, high))
+
+
+def whole(rng: np.random.Generator, low: int, high: int) -> int:
+    """An integer of low..high, both included."""
+    return int(rng.integers(low, high + 1))
+
+
+def pick(rng: np.random.Generator, weights: Mapping[Choice, float]) -> Choice:
+    """One key, by weight."""
+    choices = list(weights)
+    shares = np.array([weights[choice] for choice in choices], dtype=float)
+    return choices[int(np.searchsorted(np.cumsum(shares) / shares.sum(), rng.random(), side="right"))]

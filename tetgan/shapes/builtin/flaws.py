@@ -1,0 +1,38 @@
+"""Damage found in downloaded meshes, drawn from its own random stream so that geometry never depends on it."""
+
+import numpy as np
+
+from tetgan.shapes.builtin.draws import between, chance, pick
+from tetgan.shapes.builtin.parts import Part
+
+FLAWED_SHARE = 0.45  # of shapes
+LARGEST_SHARE = 0.35  # of a part's faces that are flipped or repeated
+
+
+def damage_parts(rng: np.random.Generator, parts: list[Part]) -> list[Part]:
+    """The same surfaces with some faces flipped, repeated, or a whole part inside out."""
+    if not chance(rng, FLAWED_SHARE):
+        return parts
+    flaw = pick(rng, {_flip_part: 2, _flip_faces: 2, _repeat_faces: 2})
+    struck = rng.random(len(parts)) < between(rng, 0.1, 0.5)
+    struck[rng.integers(len(parts))] = True
+    return [flaw(rng, part) if hit else part for part, hit in zip(parts, struck, strict=True)]
+
+
+def _flip_part(_: np.random.Generator, part: Part) -> Part:
+    return Part(part.vertices, part.faces[:, ::-1])
+
+
+def _flip_faces(rng: np.random.Generator, part: Part) -> Part:
+    flipped = _some_faces(rng, part)
+    return Part(part.vertices, np.where(flipped[:, None], part.faces[:, ::-1], part.faces))
+
+
+def _repeat_faces(rng: np.random.Generator, part: Part) -> Part:
+    return Part(part.vertices, np.concatenate([part.faces, part.faces[_some_faces(rng, part)]]))
+
+
+def _some_faces(rng: np.random.Generator, part: Part) -> np.ndarray:
+    chosen = rng.random(len(part.faces)) < between(rng, 0.05, LARGEST_SHARE)
+    chosen[rng.integers(len(part.faces))] = True
+    return chosen
