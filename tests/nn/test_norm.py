@@ -1,0 +1,33 @@
+"""Instance normalisation with leaky ReLU against PyTorch's two, and its derivatives."""
+
+import torch
+from torch.nn import functional
+
+from tetgan.nn.norm import TetInstanceNorm
+
+
+def draw(*shape):
+    return torch.randn(*shape, generator=torch.Generator().manual_seed(0), dtype=torch.float64)
+
+
+def test_equals_the_two_functions_of_pytorch():
+    x = 3 * draw(50, 2, 5) + 7
+    expected = functional.leaky_relu(functional.instance_norm(x.permute(1, 2, 0), eps=1e-5), 0.2)
+    torch.testing.assert_close(TetInstanceNorm()(x), expected.permute(2, 0, 1))
+
+
+def test_first_and_second_derivatives():
+    x = draw(12, 2, 3).requires_grad_()
+    assert torch.autograd.gradcheck(TetInstanceNorm(), x)
+    assert torch.autograd.gradgradcheck(TetInstanceNorm(), x)
+
+
+def test_a_large_mean_costs_no_digits():
+    # Single precision keeps 7 digits: variance 1 on a mean of 1,000 would be lost as E[x²] − E[x]².
+    x = draw(1000, 1, 4)
+    got = TetInstanceNorm()((x + 1000).float())
+    torch.testing.assert_close(got.double(), TetInstanceNorm()(x), rtol=0, atol=5e-4)
+
+
+def test_a_constant_channel_becomes_zero():
+    assert torch.equal(TetInstanceNorm()(torch.full((10, 1, 2), 3.0)), torch.zeros(10, 1, 2))
