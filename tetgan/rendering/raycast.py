@@ -1,0 +1,198 @@
+"""Pictures of triangle soups by ray casting on the processor.
+
+Shading is two-sided and flat, so flipped, repeated and open faces look like any other; depth reads from
+a shadowed key light and ambient occlusion.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from embreex import rtcore_scene
+from embreex.mesh_construction import TriangleMesh
+from jaxtyping import Bool, Float, Int, UInt8
+
+STEEL: tuple[float, float, float] = (0.36, 0.56, 0.80)  # default colour of a surface, linear RGB
+_MARGIN = 0.04  # of the picture's shorter side, left free around the shape
+_SUPERSAMPLES = 2  # rays a pixel along each axis
+_SKY_RAYS = 6  # ambient-occlusion rays a primary ray
+_SKY_REACH = 0.5  # how far a surface darkens its surroundings, over the shape's diagonal
+_LIFT = 2e-4  # start of a secondary ray above its surface, over the shape's diagonal
+_KEY, _FILL, _SKY = 0.62, 0.20, 0.45  # light from the upper left, from the right, from everywhere
+
+
+@dataclass(frozen=True)
+class _Camera:
+    """Orthographic: unit axes, the point at the picture's middle, and mesh units a pixel."""
+
+    right: Float[np.ndarray, "3"]
+    up: Float[np.ndarray, "3"]
+    back: Float[np.ndarray, "3"]
+    middle: Float[np.ndarray, "3"]
+    pixel: float
+
+
+def render_mesh(
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+    *,
+    size: tuple[int, int] = (400, 400),
+    azimuth: float = 35.0,
+    elevation: float = 20.0,
+    colors: Float[np.ndarray, "F 3"] | tuple[float, float, float] = STEEL,
+    span: float | None = None,
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Shaded orthographic picture on white.
+
+    Args:
+        size: width and height in pixels.
+        azimuth: degrees the camera goes round the y axis, from the front (+z) towards +x.
+        elevation: degrees above the horizon.
+        colors: linear RGB in 0..1, one or one a face.
+        span: mesh units along the shorter side of the picture, the bounding box in the middle; by default the
+            shape fills the picture.
+
+    Returns:
+        sRGB pixels; all white for a mesh without faces.
+    """
+    if len(faces) == 0:
+        return np.full((size[1], size[0], 3), 255, dtype=np.uint8)
+    camera = _place_camera(vertices[np.unique(faces)], size, azimuth, elevation, span)
+    # Embree computes in float32: a shape about the origin of size one loses least.
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
+    scaled = ((vertices - camera.middle) / diagonal).astype(np.float32)
+    scene = rtcore_scene.EmbreeScene()
+    TriangleMesh(scene, scaled, np.ascontiguousarray(faces, dtype=np.int32))
+
+    origins = _ray_origins(camera, size, diagonal)
+    hit, face, points = _first_hits(scene, origins, camera)
+    normals = _facing_normals(scaled[faces[face]], camera)
+    light = _light(scene, points, normals, hit, camera)
+    shade = np.ones((len(origins), 3))
+    paint = np.asarray(colors, dtype=float)
+    shade[hit] = _encode(light[:, None] * (paint if paint.ndim == 1 else paint[face]))
+    return _average(shade, size)
+
+
+def _place_camera(
+    points: Float[np.ndarray, "V 3"],
+    size: tuple[int, int],
+    azimuth: float,
+    elevation: float,
+    span: float | None,
+) -> _Camera:
+    turn, rise = np.radians(azimuth), np.radians(elevation)
+    back = np.array([np.sin(turn) * np.cos(rise), np.sin(rise), np.cos(turn) * np.cos(rise)])
+    right = np.array([np.cos(turn), 0.0, -np.sin(turn)])
+    up = np.cross(back, right)
+    axes = np.stack([right, up, back], axis=1)
+    shorter = min(size)
+    if span is not None:
+        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        return _Camera(right, up, back, middle, span / shorter)
+    seen = points @ axes
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    room = np.array(size) - 2 * _MARGIN * shorter
+    pixel = float(((high - low)[:2] / room).max())
+    return _Camera(right, up, back, axes @ (low + high) / 2, pixel or 1.0 / shorter)
+
+
+def _ray_origins(camera: _Camera, size: tuple[int, int], diagonal: float) -> Float[np.ndarray, "R 3"]:
+    """Start points in scene units, in front of everything: rows from the top, subpixels in place."""
+    width, height = (extent * _SUPERSAMPLES for extent in size)
+    step = camera.pixel / _SUPERSAMPLES / diagonal
+    x = (np.arange(width) + 0.5 - width / 2) * step
+    y = (height / 2 - np.arange(height) - 0.5) * step
+    plane = y[:, None, None] * camera.up + x[None, :, None] * camera.right
+    return (plane + 2.0 * camera.back).reshape(-1, 3).astype(np.float32)
+
+
+def _first_hits(
+    scene: rtcore_scene.EmbreeScene, origins: Float[np.ndarray, "R 3"], camera: _Camera
+) -> tuple[Bool[np.ndarray, "R"], Int[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
+    """Which rays hit, and for those the face and the point."""
+    directions = np.broadcast_to(-camera.back.astype(np.float32), origins.shape).copy()
+    found = scene.run(origins, directions, output=1)
+    hit = found["primID"] >= 0
+    points = origins[hit] - found["tfar"][hit, None] * camera.back
+    return hit, found["primID"][hit].astype(np.int64), points
+
+
+def _facing_normals(corners: Float[np.ndarray, "N 3 3"], camera: _Camera) -> Float[np.ndarray, "N 3"]:
+    """Unit normals of triangles, turned to the camera: the winding of a soup means nothing."""
+    corners = corners.astype(float)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    return np.where((normals @ camera.back < 0)[:, None], -normals, normals)
+
+
+def _light(
+    scene: rtcore_scene.EmbreeScene,
+    points: Float[np.ndarray, "N 3"],
+    normals: Float[np.ndarray, "N 3"],
+    hit: Bool[np.ndarray, "R"],
+    camera: _Camera,
+) -> Float[np.ndarray, "N"]:
+    """Light arriving at each hit point, 0 to about 1.2."""
+    starts = (points + _LIFT * normals).astype(np.float32)
+    key = _unit(-0.55 * camera.right + 0.75 * camera.up + 0.65 * camera.back)
+    fill = _unit(0.85 * camera.right + 0.15 * camera.up + 0.5 * camera.back)
+    towards = np.clip(normals @ key, 0, None)
+    lit = towards > 0
+    towards[lit] *= ~_blocked(scene, starts[lit], np.broadcast_to(key, (int(lit.sum()), 3)), reach=1e3)
+    # Even where the sky is hidden some light arrives, or every joint of a chair would be a black line.
+    sky = 0.2 + 0.8 * _open_sky(scene, starts, normals, np.flatnonzero(hit))
+    return _KEY * towards + _FILL * np.clip(normals @ fill, 0, None) * sky + _SKY * sky
+
+
+def _open_sky(
+    scene: rtcore_scene.EmbreeScene,
+    starts: Float[np.ndarray, "N 3"],
+    normals: Float[np.ndarray, "N 3"],
+    ray_number: Int[np.ndarray, "N"],
+) -> Float[np.ndarray, "N"]:
+    """Cosine-weighted share of nearby directions that are free.
+
+    Neighbouring rays look in different directions of one low-discrepancy sequence, so that averaging the rays
+    of a pixel averages over many directions.
+    """
+    free = np.zeros(len(starts))
+    for sample in range(_SKY_RAYS):
+        number = ray_number * _SKY_RAYS + sample
+        height = 2 * np.mod(number * 0.7548776662466927, 1.0) - 1
+        angle = 2 * np.pi * np.mod(number * 0.5698402909980532, 1.0)
+        ring = np.sqrt(1 - height**2)
+        # A uniform point of the sphere plus the normal is cosine-weighted about the normal.
+        ball = np.stack([ring * np.cos(angle), ring * np.sin(angle), height], axis=1)
+        directions = _unit(normals + 0.999 * ball)
+        free += ~_blocked(scene, starts, directions, reach=_SKY_REACH)
+    return free / _SKY_RAYS
+
+
+def _blocked(
+    scene: rtcore_scene.EmbreeScene,
+    starts: Float[np.ndarray, "N 3"],
+    directions: Float[np.ndarray, "N 3"],
+    *,
+    reach: float,
+) -> Bool[np.ndarray, "N"]:
+    """Whether anything lies within `reach` along each ray."""
+    if len(starts) == 0:
+        return np.zeros(0, dtype=bool)
+    limits = np.full(len(starts), reach, dtype=np.float32)
+    rays = np.ascontiguousarray(directions, dtype=np.float32)
+    return scene.run(np.ascontiguousarray(starts), rays, dists=limits, query="OCCLUDED") == 0
+
+
+def _unit(vectors: Float[np.ndarray, "*rows 3"]) -> Float[np.ndarray, "*rows 3"]:
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def _encode(linear: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+    """Linear light to sRGB by its usual power law, highlights rolled off below white."""
+    return np.clip(linear, 0, 1) ** (1 / 2.2)
+
+
+def _average(shade: Float[np.ndarray, "R 3"], size: tuple[int, int]) -> UInt8[np.ndarray, "H W 3"]:
+    width, height = size
+    blocks = shade.reshape(height, _SUPERSAMPLES, width, _SUPERSAMPLES, 3)
+    return np.round(255 * blocks.mean(axis=(1, 3))).astype(np.uint8)
