@@ -11,9 +11,9 @@ from tetgan.options import Options
 class GridOptions(Options):
     """Exactly one of `cells` and `file`; the finest grid has 8^depth times as many tets as the base."""
 
-    cells: int | None = Field(None, ge=1, le=32, description="Lattice cells along each side of the cube.")
-    depth: int = Field(ge=0, le=6, description="Number of 1-to-8 subdivisions.")
-    file: Path | None = Field(None, description="Base grid as a QuarTet `.tet` file, in place of `cells`.")
+    cells: int | None = Field(None, ge=1, le=32, description="lattice cells along each side of the cube")
+    depth: int = Field(ge=0, le=6, description="number of 1-to-8 subdivisions")
+    file: Path | None = Field(None, description="base grid as a QuarTet `.tet` file, in place of `cells`")
 
     @model_validator(mode="after")
     def _one_base(self) -> Self:
