@@ -1,0 +1,65 @@
+"""Figures that tell how fit a solid mesh is for use."""
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from tetgan.grids.adjacency import EDGES, FACES, face_neighbors, unique_edges
+from tetgan.grids.grid import tet_volumes
+from tetgan.meshing.solid import SolidMesh
+
+
+def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
+    """One row of a certificate.
+
+    Returns:
+        `tets`, `faces`; `inverted_tets`, of no or negative volume; `min_dihedral` in degrees over all tets,
+        which does not see whether a tet is inverted; `volume`, signed, in cubed cube sides; `components` of
+        tets joined by faces; `manifold_edges`, the share of surface edges with exactly two faces. All are 0
+        for an empty mesh.
+    """
+    volumes = tet_volumes(mesh.vertices, mesh.tets)
+    return {
+        "tets": len(mesh.tets),
+        "faces": len(mesh.faces),
+        "inverted_tets": int((volumes <= 0).sum()),
+        "min_dihedral": float(dihedral_angles(mesh.vertices, mesh.tets).min()) if len(mesh.tets) else 0.0,
+        "volume": float(volumes.sum()),
+        "components": _component_count(mesh.tets),
+        "manifold_edges": _manifold_share(mesh.faces),
+    }
+
+
+def dihedral_angles(
+    vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]
+) -> Float[np.ndarray, "T 6"]:
+    """Angles in degrees between the two faces at each edge, in the order of `EDGES`.
+
+    A tet flattened to a plane has angles of 0 and 180.
+    """
+    corners = vertices[tets[:, FACES]]
+    normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+    # Faces i and j meet at the edge that has neither of the vertices i and j: the opposite one in EDGES.
+    one, other = np.moveaxis(normals[:, EDGES[::-1]], 2, 0)
+    sine = np.linalg.norm(np.cross(one, other), axis=-1)
+    cosine = -np.einsum("tec,tec->te", one, other)
+    return np.degrees(np.arctan2(sine, cosine))
+
+
+def _component_count(tets: Int[np.ndarray, "T 4"]) -> int:
+    if len(tets) == 0:
+        return 0
+    neighbors = face_neighbors(tets)
+    rows, slots = np.nonzero(neighbors >= 0)
+    links = sparse.coo_array(
+        (np.ones(len(rows), dtype=bool), (rows, neighbors[rows, slots])), shape=(len(tets),) * 2
+    )
+    return int(connected_components(links, directed=False, return_labels=False))
+
+
+def _manifold_share(faces: Int[np.ndarray, "F 3"]) -> float:
+    if len(faces) == 0:
+        return 0.0
+    edges, edge_of_side = unique_edges(faces)
+    return float((np.bincount(edge_of_side.ravel(), minlength=len(edges)) == 2).mean())

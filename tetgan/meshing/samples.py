@@ -1,0 +1,45 @@
+"""Decoded fields to a folder of meshes and the rows of their certificate."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from tetgan.fields.field import Field
+from tetgan.fields.vertices import vertex_operator
+from tetgan.grids.grid import TetGrid
+from tetgan.meshing.build import build_solid
+from tetgan.meshing.export import write_surface, write_tets
+from tetgan.meshing.options import MeshingOptions
+from tetgan.meshing.quality import quality_record
+
+
+def write_solids(
+    folder: Path,
+    fields: Iterable[tuple[str, Field, Mapping[str, Any]]],
+    grid: TetGrid,
+    mu: float,
+    options: MeshingOptions,
+    *,
+    smoothing: bool,
+) -> list[dict[str, Any]]:
+    """Write `{id}.ply` and `{id}.vtu` for each field.
+
+    Args:
+        folder: made if it does not exist.
+        fields: id, field in cube sides, and further columns for its row.
+        grid: the finest grid of the hierarchy.
+
+    Returns:
+        A row for each field: `id`, the further columns, then `quality_record`. A field with nothing in it
+        gets a row of zeros and no files.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    operator = vertex_operator(grid)
+    rows = []
+    for shape_id, field, columns in fields:
+        mesh = build_solid(field, grid, operator, mu, options, smoothing=smoothing)
+        if len(mesh.tets):
+            write_surface(folder / f"{shape_id}.ply", mesh)
+            write_tets(folder / f"{shape_id}.vtu", mesh)
+        rows.append({"id": shape_id, **columns, **quality_record(mesh)})
+    return rows
