@@ -1,0 +1,75 @@
+"""The smoke run from end to end, and what reruns after a change."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from conftest import TARGETS, planned
+from PIL import Image
+
+pytestmark = pytest.mark.xdist_group("workflow")
+
+
+def test_the_smoke_run_ends_with_a_whole_table(smoked):
+    project, _, _ = smoked
+    table = pd.read_csv(project.folder / TARGETS[0])
+    rows = table[["model", "smoothing"]].fillna("none").apply(tuple, axis=1).tolist()
+    for model in ("tetgan-LR", "tetgan-HR"):
+        assert (model, "none") in rows
+        assert (model, "wls") in rows
+    for model in ("representation-LR", "representation-HR", "pca-16", "real"):
+        assert model in set(table["model"])
+    measured = table[table["model"].str.startswith("representation")]
+    assert measured[["chamfer", "faces", "manifold_edges", "iou"]].notna().all(axis=None)
+    assert (measured["iou"] == 1).all()
+    paper = table[(table["model"] == "tetgan-HR") & (table["smoothing"] == "none")]
+    assert paper["fid_paper"].item() == pytest.approx(1.35)
+    assert (project.folder / TARGETS[0]).with_suffix(".md").read_text().count("|") > 50
+
+
+def test_the_picture_shows_something(smoked):
+    project, _, _ = smoked
+    picture = np.asarray(Image.open(project.folder / TARGETS[1]).convert("L"))
+    assert 0.02 < (picture < 230).mean() < 0.9
+
+
+def test_a_second_run_does_nothing(smoked):
+    project, _, _ = smoked
+    assert planned(project.smoke("-n", *TARGETS)) == {}
+
+
+def test_the_smoke_run_leaves_the_default_run_alone(smoked):
+    project, before, after = smoked
+    assert before == after
+    assert before["train_model"] > 0
+    assert {path.name for path in (project.folder / "results").iterdir()} == {"smoke"}
+
+
+def test_a_deleted_output_reruns_only_what_depends_on_it(smoked):
+    project, _, _ = smoked
+    (project.folder / "results/smoke/fields/chair/LR/1-of-2.zarr.zip").unlink()
+    rerun = planned(project.smoke("-n", "--forcerun", "extract_fields", "--allowed-rules", *[]) if False else
+                    project.smoke("-n", *TARGETS))
+    assert rerun["extract_fields"] == 1
+    assert "repair_shapes" not in rerun
+    assert "train_extractor" not in rerun
+
+
+def test_an_edited_option_reruns_only_what_depends_on_it(smoked):
+    project, _, _ = smoked
+    rerun = planned(project.smoke("-n", *TARGETS, "--config", "sampling={count: 9}"))
+    assert "sample_model" in rerun
+    assert "train_model" not in rerun
+
+
+def test_the_certificates_and_the_index_agree_with_the_catalogue(smoked):
+    project, _, _ = smoked
+    results = project.folder / "results" / "smoke"
+    catalogue = pd.read_csv(results / "data/chair/catalogue.csv")
+    index = json.loads((results / "fields/chair/LR/index.json").read_text())
+    assert index["mu"] > 0
+    used = catalogue[catalogue["status"].isin(["ok", "filled"])]
+    validation = set(used.loc[used["split"] == "validation", "id"])
+    certificate = pd.read_csv(results / "samples/chair/tetgan-LR/0/paper/none/certificate.csv")
+    assert set(certificate.loc[certificate["set"] == "reconstructed", "id"]) == validation
