@@ -1,0 +1,32 @@
+"""What every model of fields can do: encode, decode and draw a latent."""
+
+from abc import ABC, abstractmethod
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+
+
+class FieldGenerator(nn.Module, ABC):
+    """A model whose latents are standard normal.
+
+    Fields are (B, T, 4): occupancy, then displacement in units of the largest one. A decoded field has in
+    place of the occupancy a logit, positive inside, and its displacement lies in [-1, 1].
+    """
+
+    @abstractmethod
+    def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
+        """The latent that stands for each field: the mean, where the model gives a distribution."""
+
+    @abstractmethod
+    def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "B T 4"]:
+        """Occupancy logit and displacement of each latent."""
+
+    @property
+    @abstractmethod
+    def latent_shape(self) -> tuple[int, ...]:
+        """Shape of one latent."""
+
+    def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
+        """Draws of the prior N(0, I), on the CPU so that they do not depend on the device."""
+        return torch.randn(count, *self.latent_shape, generator=generator)

@@ -1,0 +1,52 @@
+"""Parts shared by the encoder, the decoder and the critics."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Literal
+
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from tetgan.grids.hierarchy import GridHierarchy
+from tetgan.nn.conv import TetConv, TetNeighbors
+from tetgan.nn.norm import TetInstanceNorm
+from tetgan.nn.resample import TetPool, TetUpsample
+
+FIELD_CHANNELS = 4
+
+
+class TetHierarchy(nn.Module):
+    """The neighbors of each level and the upsamplings between levels, coarse to fine; no weights."""
+
+    def __init__(
+        self, hierarchy: GridHierarchy, upsample: Literal["inverse_distance", "copy"] = "inverse_distance"
+    ) -> None:
+        super().__init__()
+        self.neighbors = nn.ModuleList(TetNeighbors(grid.neighbors) for grid in hierarchy.levels)
+        self.upsamplings = nn.ModuleList(
+            TetUpsample(coarse, fine, upsample) for coarse, fine in pairwise(hierarchy.levels)
+        )
+        self.tets = [len(grid.tets) for grid in hierarchy.levels]
+
+
+def level_widths(depth: int, width: int, base: int) -> list[int]:
+    """Channels of each level, coarse to fine: `width` at the finest, doubled at each coarser, then `base`."""
+    return [base, *(width * 2**level for level in reversed(range(depth)))]
+
+
+def conv_layers(widths: Sequence[int], neighbors: TetNeighbors, pool: TetPool | None = None) -> nn.Sequential:
+    """Convolutions through `widths`, each followed by instance norm and leaky ReLU; the last one pools before.
+
+    The convolutions have no bias, because the norm would take it off again.
+    """
+    layers: list[nn.Module] = []
+    for channels, out in pairwise(widths):
+        layers += [TetConv(channels, out, neighbors, bias=False), TetInstanceNorm()]
+    if pool is not None:
+        layers.insert(-1, pool)
+    return nn.Sequential(*layers)
+
+
+def tets_first(field: Float[Tensor, "B T C"]) -> Float[Tensor, "T B C"]:
+    """The layout inside the networks, where a gathered row is contiguous."""
+    return field.transpose(0, 1).contiguous()

@@ -1,0 +1,125 @@
+"""TetGAN's autoencoder: encoder, latent head and decoder (paper's supplement A; DESIGN §4)."""
+
+from itertools import pairwise
+from typing import Literal
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+from tetgan.grids.hierarchy import GridHierarchy
+from tetgan.models.generator import FieldGenerator
+from tetgan.models.layers import FIELD_CHANNELS, TetHierarchy, conv_layers, level_widths, tets_first
+from tetgan.models.options import TetganOptions
+from tetgan.nn.conv import TetConv, TetNeighbors
+from tetgan.nn.norm import SLOPE
+from tetgan.nn.resample import TetPool
+
+CONVOLUTIONS = 4  # of each block
+
+
+class Encoder(nn.Module):
+    """A block of four convolutions a level, pooling between them: (T, B, 4) to (K, B, widths[0])."""
+
+    def __init__(self, hierarchy: TetHierarchy, widths: list[int], pool: Literal["max", "mean"]) -> None:
+        super().__init__()
+        blocks, channels = [], FIELD_CHANNELS
+        for level in reversed(range(len(widths))):
+            steps = [channels] + CONVOLUTIONS * [widths[level]]
+            pooling = TetPool(pool) if level > 0 else None
+            blocks.append(conv_layers(steps, hierarchy.neighbors[level], pooling))
+            channels = widths[level]
+        self.blocks = nn.Sequential(*blocks)
+
+    def forward(self, x: Float[Tensor, "T B 4"]) -> Float[Tensor, "K B C"]:
+        return self.blocks(x)
+
+
+class Decoder(nn.Module):
+    """The encoder reversed: the last convolution of each block changes the width, then the grid is refined.
+
+    The very last convolution has neither norm nor activation.
+    """
+
+    def __init__(self, hierarchy: TetHierarchy, widths: list[int]) -> None:
+        super().__init__()
+        layers: list[nn.Module] = []
+        for level, (channels, out) in enumerate(pairwise(widths)):
+            steps = CONVOLUTIONS * [channels] + [out]
+            layers += [conv_layers(steps, hierarchy.neighbors[level]), hierarchy.upsamplings[level]]
+        layers.append(conv_layers(CONVOLUTIONS * [widths[-1]], hierarchy.neighbors[-1]))
+        layers.append(TetConv(widths[-1], FIELD_CHANNELS, hierarchy.neighbors[-1]))
+        self.layers = nn.Sequential(*layers)
+
+    def forward(self, x: Float[Tensor, "K B C"]) -> Float[Tensor, "T B 4"]:
+        return self.layers(x)
+
+
+class LatentHead(nn.Module):
+    """From the coarsest features to mean and log variance, and back.
+
+    `global`: linear layers over the whole coarsest grid, one code a shape. `tet`: the same layers over the
+    channels of each coarse tet. `conv`: tetrahedral convolutions instead, one code a coarse tet too.
+    """
+
+    def __init__(self, options: TetganOptions, neighbors: TetNeighbors, channels: int) -> None:
+        super().__init__()
+        self.folds = options.latent == "global"
+        self.latent_shape = (options.code,) if self.folds else (neighbors.tets, options.code)
+        self.unfolded = (neighbors.tets, channels)
+        features = neighbors.tets * channels if self.folds else channels
+
+        def layer(inputs: int, outputs: int) -> nn.Module:
+            if options.latent == "conv":
+                return TetConv(inputs, outputs, neighbors)
+            return nn.Linear(inputs, outputs)
+
+        self.hidden = layer(features, options.code)
+        self.mean = layer(options.code, options.code)
+        self.log_variance = layer(options.code, options.code)
+        self.expand = layer(options.code, features)
+
+    def encode(self, x: Float[Tensor, "K B C"]) -> tuple[Float[Tensor, "B ..."], Float[Tensor, "B ..."]]:
+        if self.folds:
+            x = x.transpose(0, 1).flatten(1)
+        hidden = functional.leaky_relu(self.hidden(x), SLOPE)
+        mean, log_variance = self.mean(hidden), self.log_variance(hidden)
+        if self.folds:
+            return mean, log_variance
+        return mean.transpose(0, 1), log_variance.transpose(0, 1)
+
+    def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "K B C"]:
+        if self.folds:
+            return tets_first(self.expand(latent).unflatten(1, self.unfolded))
+        return self.expand(tets_first(latent))
+
+
+class TetganGenerator(FieldGenerator):
+    """The variational autoencoder, whose decoder is also the generator that the critics judge."""
+
+    def __init__(self, options: TetganOptions, hierarchy: GridHierarchy) -> None:
+        super().__init__()
+        self.hierarchy = TetHierarchy(hierarchy, options.upsample)
+        widths = level_widths(hierarchy.depth, options.width, options.base_width or options.code)
+        self.encoder = Encoder(self.hierarchy, widths, options.pool)
+        self.head = LatentHead(options, self.hierarchy.neighbors[0], widths[0])
+        self.decoder = Decoder(self.hierarchy, widths)
+
+    @property
+    def latent_shape(self) -> tuple[int, ...]:
+        return self.head.latent_shape
+
+    def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
+        return self.posterior(field)[0]
+
+    def posterior(
+        self, field: Float[Tensor, "B T 4"]
+    ) -> tuple[Float[Tensor, "B ..."], Float[Tensor, "B ..."]]:
+        """Mean and log variance of the latent of each field."""
+        mean, log_variance = self.head.encode(self.encoder(tets_first(field)))
+        return mean.float(), log_variance.float()
+
+    def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "B T 4"]:
+        field = self.decoder(self.head.decode(latent)).transpose(0, 1).float()
+        return torch.cat([field[..., :1], field[..., 1:].tanh()], dim=-1)
