@@ -5,7 +5,7 @@ import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Literal, NamedTuple, Self
+from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float32
@@ -108,7 +108,7 @@ class FieldStore:
         self._readers: dict[str, ShardReader] = {}
 
     @classmethod
-    def open(cls, index_path: str | Path) -> Self:
+    def open(cls, index_path: str | Path) -> "FieldStore":
         """Open the data set of an `index.json`; shards are opened when first read.
 
         Raises:

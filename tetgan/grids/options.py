@@ -1,7 +1,6 @@
 """Which grid: a lattice of so many cells, or a `.tet` file, subdivided so many times."""
 
 from pathlib import Path
-from typing import Self
 
 from pydantic import Field, model_validator
 
@@ -16,7 +15,7 @@ class GridOptions(Options):
     file: Path | None = Field(None, description="base grid as a QuarTet `.tet` file, in place of `cells`")
 
     @model_validator(mode="after")
-    def _one_base(self) -> Self:
+    def _one_base(self) -> "GridOptions":
         if (self.cells is None) == (self.file is None):
             raise ValueError("give exactly one of 'cells' and 'file'")
         return self
