@@ -48,6 +48,11 @@ class BackPlane:
         return self.point(u[:, None], low[:, None] + (high - low)[:, None] * t)
 
     @property
+    def bays(self) -> float:
+        """Width over that of an ordinary chair: a bench needs more bars in its back."""
+        return max(1.0, self.width / 0.5)
+
+    @property
     def overlap(self) -> float:
         """`s` of the line just below the top of the seat."""
         return -OVERLAP / self.height
@@ -83,7 +88,7 @@ def padded_back(rng: np.random.Generator, plane: BackPlane, thickness: float) ->
 
 def slatted_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:
     """Upright slats between a bottom and a top rail, framed by posts."""
-    count = whole(rng, 3, 6)
+    count = round(whole(rng, 3, 6) * plane.bays)
     low = between(rng, 0.1, 0.25)
     width = plane.width / count * between(rng, 0.35, 0.6)
     slat = np.array([width / 2, thickness * 0.3])
@@ -99,7 +104,7 @@ def slatted_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -
 
 def spindle_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:
     """Round rods fanning from the seat into a top rail."""
-    count = whole(rng, 4, 8)
+    count = round(whole(rng, 4, 8) * plane.bays)
     rod = thickness * between(rng, 0.4, 0.6)
     high = thickness * between(rng, 1.2, 2.6)
     parts = [_rail(plane, 0.95, high, thickness * 0.8)]
@@ -197,7 +202,7 @@ def lattice_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -
     parts += [
         _rail(plane, s, thickness * 0.7, thickness * 0.6) for s in np.linspace(low, 0.95, whole(rng, 3, 4))
     ]
-    for u in np.linspace(-1, 1, whole(rng, 2, 4) + 2)[1:-1]:
+    for u in np.linspace(-1, 1, round(whole(rng, 2, 4) * plane.bays) + 2)[1:-1]:
         parts.append(
             tube(plane.point(u, np.linspace(low, 0.95, 4)), thickness * 0.6, square=True, up=(0, 0, 1))
         )

@@ -7,14 +7,24 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from tetgan.errors import UserError
+from tetgan.shapes.builtin.bench import make_bench
+from tetgan.shapes.builtin.car import make_car
 from tetgan.shapes.builtin.chair import make_chair
 from tetgan.shapes.builtin.flaws import damage_parts
 from tetgan.shapes.builtin.parts import Part, join_parts
+from tetgan.shapes.builtin.sofa import make_sofa
+from tetgan.shapes.builtin.table import make_table
+from tetgan.shapes.builtin.vase import make_vase
 
 Maker = Callable[[np.random.Generator], tuple[list[Part], str]]
 
 MAKERS: dict[str, Maker] = {
     "chair": make_chair,
+    "sofa": make_sofa,
+    "bench": make_bench,
+    "table": make_table,
+    "car": make_car,
+    "vase": make_vase,
 }
 CATEGORIES = tuple(MAKERS)
 

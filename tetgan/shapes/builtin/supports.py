@@ -14,8 +14,6 @@ from tetgan.shapes.builtin.parts import (
     box,
     ellipse,
     lathe,
-    outline,
-    slab,
     sweep,
     tube,
     with_mirror,
@@ -47,19 +45,29 @@ def straight_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
     """Four upright legs, perhaps tapered, perhaps joined by stretchers or an apron."""
     square = chance(rng, 0.6)
     taper = between(rng, 0.55, 0.85) if chance(rng, 0.4) else 1.0
-    lines = _leg_lines(foot, splay=0.0)
+    lines = _leg_lines(foot)
     parts = [
         bar(top, floor, foot.thickness, square=square, taper=taper, up=(0, 0, 1)) for top, floor in lines
     ]
     return parts + _bracing(rng, lines, foot)
 
 
-def splayed_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
+def plain_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
+    """Four short upright feet, square or round."""
+    square = chance(rng, 0.6)
+    taper = between(rng, 0.6, 1.0)
+    return [
+        bar(top, floor, foot.thickness, square=square, taper=taper, up=(0, 0, 1))
+        for top, floor in _leg_lines(foot)
+    ]
+
+
+def splayed_legs(rng: np.random.Generator, foot: Footprint, *, bracing: bool = True) -> list[Part]:
     """Four legs leaning outwards and narrowing to the floor."""
-    lines = _leg_lines(foot, splay=between(rng, 0.04, 0.09), inset=between(rng, 0.8, 1.6))
+    lines = _leg_lines(foot, splay=between(rng, 0.1, 0.2) * foot.height, inset=between(rng, 0.8, 1.6))
     taper = between(rng, 0.5, 0.9)
     parts = [bar(top, floor, foot.thickness * 1.1, taper=taper) for top, floor in lines]
-    return parts + (_bracing(rng, lines, foot) if chance(rng, 0.5) else [])
+    return parts + (_bracing(rng, lines, foot) if bracing and chance(rng, 0.5) else [])
 
 
 def turned_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
@@ -74,7 +82,7 @@ def turned_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
     for x, z in foot.corners():
         parts.append(lathe(profile, centre=(x, 0, z), section=ellipse(10)))
         parts.append(box((2 * r, h * 0.2 + OVERLAP, 2 * r), (x, h * 0.9 + OVERLAP / 2, z)))
-    return parts + _bracing(rng, _leg_lines(foot, splay=0.0), foot)
+    return parts + _bracing(rng, _leg_lines(foot), foot)
 
 
 def curved_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
@@ -141,6 +149,34 @@ def star_pedestal(rng: np.random.Generator, foot: Footprint) -> list[Part]:
             axle = direction * reach * 0.97 + [0, 0.03, 0]
             parts.append(bar(axle - side * 0.025, axle + side * 0.025, 0.06))
     return parts
+
+
+def cross_foot(rng: np.random.Generator, foot: Footprint) -> list[Part]:
+    """Column on two crossed beams."""
+    reach, thick = max(foot.width, foot.depth) * between(rng, 0.42, 0.5), foot.thickness
+    column = bar(
+        (0, thick * 0.3, 0),
+        (0, foot.height + OVERLAP, 0),
+        thick * between(rng, 1.0, 1.6),
+        square=chance(rng, 0.5),
+    )
+    turn = pick(rng, {0.0: 1, 45.0: 1})
+    beams = [
+        box((2 * reach, thick * 0.8, thick), (0, thick * 0.4, 0)).rotated("y", turn + angle)
+        for angle in (0, 90)
+    ]
+    return [column, *beams]
+
+
+def curved_feet(count: int, reach: float, rise: float, thickness: float) -> list[Part]:
+    """Feet arching down and out from a column, from height `rise` to the floor at radius `reach`."""
+    t = np.linspace(0, 1, 8)
+    radius = reach * t
+    y = rise * (1 - t) ** 1.6 + thickness * (0.35 + 0.1 * t) + 0.15 * rise * np.sin(np.pi * t)
+    foot = tube(
+        np.stack([radius, y, np.zeros(8)], axis=1), thickness * np.linspace(1.1, 0.7, 8), up=(0, 0, 1)
+    )
+    return [foot.rotated("y", 45 + 360 * i / count) for i in range(count)]
 
 
 def disc_pedestal(rng: np.random.Generator, foot: Footprint) -> list[Part]:
@@ -242,16 +278,17 @@ def crossed_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
     """Folding X frames, one on each side (or one at the front and one at the back)."""
     x, z = foot.corners()[0]
     thick, high = foot.thickness * between(rng, 0.7, 0.9), foot.height + OVERLAP
+    low = thick * 0.4  # the ends are cut square to the leg
     square = chance(rng, 0.5)
     pairs: list[tuple[tuple[float, float, float], tuple[float, float, float]]] = []
     if chance(rng, 0.6):
         for side in (x, -x):
             inner = side - np.sign(side) * thick
-            pairs += [((side, high, z), (side, 0, -z)), ((inner, high, -z), (inner, 0, z))]
+            pairs += [((side, high, z), (side, low, -z)), ((inner, high, -z), (inner, low, z))]
     else:
         for depth in (z, -z):
             inner = depth - np.sign(depth) * thick
-            pairs += [((x, high, depth), (-x, 0, depth)), ((-x, high, inner), (x, 0, inner))]
+            pairs += [((x, high, depth), (-x, low, depth)), ((-x, high, inner), (x, low, inner))]
     parts = [bar(top, floor, thick, square=square) for top, floor in pairs]
     parts += [bar((-x, thick, depth), (x, thick, depth), thick * 0.8) for depth in (z * 0.93, -z * 0.93)]
     return parts
@@ -280,7 +317,7 @@ def trestles(rng: np.random.Generator, foot: Footprint) -> list[Part]:
     ]
 
 
-def _leg_lines(foot: Footprint, *, splay: float, inset: float = 0.5) -> Float[np.ndarray, "4 2 3"]:
+def _leg_lines(foot: Footprint, *, splay: float = 0.0, inset: float = 0.5) -> Float[np.ndarray, "4 2 3"]:
     """Axes of four legs from top to floor; `splay` is the outward reach at the floor in metres."""
     corners = foot.corners(inset)
     lines = np.zeros((4, 2, 3))
@@ -335,8 +372,3 @@ def _rounded_path(
         b = corner + reach * (after - corner) / np.linalg.norm(after - corner)
         path.append((1 - t) ** 2 * a + 2 * t * (1 - t) * corner + t**2 * b)
     return np.concatenate([*path, corners[-1:]])
-
-
-def round_plate(width: float, depth: float, bottom: float, top: float) -> Part:
-    """Oval plate, used as a foot ring or a low shelf."""
-    return slab(outline(width, depth, exponent=2.0), bottom, top, edge=0.3 * (top - bottom))

@@ -1,0 +1,334 @@
+"""Vases: turned, fluted, faceted, square and twisted bodies with handles, spouts, feet and lids."""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from tetgan.shapes.builtin.draws import between, chance, pick, whole
+from tetgan.shapes.builtin.parts import Part, ellipse, lathe, tube, with_mirror
+
+Silhouette = Callable[[np.random.Generator], list[tuple[float, float]]]
+LEVELS = 33
+
+
+def make_vase(rng: np.random.Generator) -> tuple[list[Part], str]:
+    """One vase and its structural kind."""
+    name = pick(rng, {name: weight for name, (_, weight) in SILHOUETTES.items()})
+    height, radius = _silhouette(rng, name)
+    section_name, section = _section(rng)
+    wall = pick(rng, {"thick": 6, "sheet": 2, "solid": 1.2})
+    twist = (
+        between(rng, 30, 140) * (1 if chance(rng, 0.5) else -1)
+        if section_name in ("lobed", "square") and chance(rng, 0.35)
+        else 0.0
+    )
+    parts = [_body(rng, height, radius, section, wall, twist)]
+    extras = []
+    if name in ("amphora", "urn", "ovoid", "bottle", "pear") and chance(
+        rng, 0.85 if name == "amphora" else 0.3
+    ):
+        parts += _handles(rng, height, radius)
+        extras.append("handles")
+    elif name in ("pear", "ovoid", "jug") and chance(rng, 0.9 if name == "jug" else 0.2):
+        parts += _jug_handle(rng, height, radius)
+        extras.append("jug")
+    if chance(rng, 0.2):
+        parts += _rings(rng, height, radius, section)
+        extras.append("rings")
+    if wall != "sheet" and name in ("ovoid", "jar") and chance(rng, 0.6 if name == "jar" else 0.15):
+        parts += _lid(rng, radius[-1], section)
+        extras.append("lid")
+    return parts, f"{name}/{section_name}{'-twisted' if twist else ''}/{'+'.join(extras) or 'plain'}-{wall}"
+
+
+# --- silhouettes: (height share, radius over height) control points, smooth in between ----------------------
+
+
+def _ovoid(rng: np.random.Generator) -> list[tuple[float, float]]:
+    belly, at = between(rng, 0.24, 0.38), between(rng, 0.5, 0.72)
+    neck = belly * between(rng, 0.35, 0.6)
+    return [
+        (0, belly * between(rng, 0.4, 0.65)),
+        (at, belly),
+        (0.9, neck),
+        (1, neck * between(rng, 1.1, 1.5)),
+    ]
+
+
+def _bottle(rng: np.random.Generator) -> list[tuple[float, float]]:
+    belly, neck = between(rng, 0.2, 0.33), between(rng, 0.055, 0.1)
+    start = between(rng, 0.45, 0.65)
+    return [
+        (0, belly * between(rng, 0.5, 0.8)),
+        (start * 0.45, belly),
+        (start, neck * 1.2),
+        (0.92, neck),
+        (1, neck * between(rng, 1.2, 1.9)),
+    ]
+
+
+def _cylinder(rng: np.random.Generator) -> list[tuple[float, float]]:
+    foot, lip = between(rng, 0.14, 0.3), between(rng, 0.85, 1.35)
+    return [(0, foot), (0.5, foot * (1 + lip) / 2 * between(rng, 0.9, 1.1)), (1, foot * lip)]
+
+
+def _trumpet(rng: np.random.Generator) -> list[tuple[float, float]]:
+    slim = between(rng, 0.07, 0.12)
+    return [
+        (0, slim * between(rng, 1.6, 2.4)),
+        (0.12, slim * 1.2),
+        (0.4, slim),
+        (0.75, slim * between(rng, 1.4, 1.9)),
+        (1, slim * between(rng, 2.6, 3.6)),
+    ]
+
+
+def _gourd(rng: np.random.Generator) -> list[tuple[float, float]]:
+    low, high = between(rng, 0.24, 0.34), between(rng, 0.13, 0.22)
+    waist = high * between(rng, 0.4, 0.65)
+    return [
+        (0, low * 0.6),
+        (0.26, low),
+        (0.55, waist),
+        (0.75, high),
+        (0.94, waist * 0.9),
+        (1, waist * between(rng, 1.1, 1.5)),
+    ]
+
+
+def _amphora(rng: np.random.Generator) -> list[tuple[float, float]]:
+    belly, neck = between(rng, 0.22, 0.33), between(rng, 0.08, 0.13)
+    return [
+        (0, belly * 0.45),
+        (0.04, belly * between(rng, 0.25, 0.4)),
+        (between(rng, 0.45, 0.58), belly),
+        (0.76, neck * 1.1),
+        (0.93, neck),
+        (1, neck * between(rng, 1.4, 1.9)),
+    ]
+
+
+def _urn(rng: np.random.Generator) -> list[tuple[float, float]]:
+    bowl, stem = between(rng, 0.26, 0.4), between(rng, 0.08, 0.13)
+    return [
+        (0, bowl * between(rng, 0.55, 0.8)),
+        (0.06, bowl * 0.5),
+        (0.2, stem),
+        (0.38, bowl * 0.75),
+        (0.6, bowl * 0.95),
+        (0.85, bowl * between(rng, 0.75, 0.95)),
+        (1, bowl * between(rng, 1.05, 1.3)),
+    ]
+
+
+def _pear(rng: np.random.Generator) -> list[tuple[float, float]]:
+    belly, neck = between(rng, 0.26, 0.38), between(rng, 0.09, 0.16)
+    return [
+        (0, belly * 0.65),
+        (between(rng, 0.2, 0.32), belly),
+        (0.7, neck),
+        (1, neck * between(rng, 1.3, 2.1)),
+    ]
+
+
+def _bowl(rng: np.random.Generator) -> list[tuple[float, float]]:
+    rim = between(rng, 0.45, 0.72)
+    return [
+        (0, rim * between(rng, 0.3, 0.5)),
+        (0.3, rim * between(rng, 0.65, 0.95)),
+        (0.7, rim),
+        (1, rim * between(rng, 0.75, 1.15)),
+    ]
+
+
+def _globe(rng: np.random.Generator) -> list[tuple[float, float]]:
+    belly, mouth = between(rng, 0.42, 0.55), between(rng, 0.4, 0.65)
+    return [
+        (0, belly * 0.5),
+        (0.25, belly * 0.93),
+        (0.48, belly),
+        (0.75, belly * 0.9),
+        (0.93, belly * mouth),
+        (1, belly * mouth * between(rng, 1.0, 1.3)),
+    ]
+
+
+def _jar(rng: np.random.Generator) -> list[tuple[float, float]]:
+    belly = between(rng, 0.28, 0.4)
+    return [
+        (0, belly * 0.72),
+        (0.35, belly),
+        (0.7, belly * between(rng, 0.92, 1.05)),
+        (0.86, belly * 0.62),
+        (1, belly * 0.55),
+    ]
+
+
+def _tulip(rng: np.random.Generator) -> list[tuple[float, float]]:
+    cup = between(rng, 0.2, 0.32)
+    return [
+        (0, cup * 0.6),
+        (0.3, cup * between(rng, 0.95, 1.1)),
+        (0.65, cup * between(rng, 0.7, 0.8)),
+        (1, cup * between(rng, 1.2, 1.6)),
+    ]
+
+
+def _cone(rng: np.random.Generator) -> list[tuple[float, float]]:
+    rim, foot = between(rng, 0.22, 0.38), between(rng, 0.06, 0.12)
+    return [
+        (0, foot * between(rng, 1.4, 2.4)),
+        (0.05, foot * 1.3),
+        (0.14, foot),
+        (0.55, (rim + foot) * 0.52),
+        (1, rim),
+    ]
+
+
+SILHOUETTES: dict[str, tuple[Silhouette, float]] = {
+    "ovoid": (_ovoid, 3),
+    "bottle": (_bottle, 3),
+    "cylinder": (_cylinder, 2.5),
+    "trumpet": (_trumpet, 2),
+    "gourd": (_gourd, 1.5),
+    "amphora": (_amphora, 3),
+    "urn": (_urn, 2),
+    "pear": (_pear, 3),
+    "jug": (_pear, 1.5),
+    "bowl": (_bowl, 1),
+    "globe": (_globe, 1.5),
+    "jar": (_jar, 1.5),
+    "tulip": (_tulip, 2),
+    "cone": (_cone, 1.5),
+}
+
+
+def _silhouette(rng: np.random.Generator, name: str) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
+    """Heights 0..1 and radii of the outside."""
+    at, radius = np.array(SILHOUETTES[name][0](rng), dtype=float).T
+    height = np.linspace(0, 1, LEVELS)
+    angular = chance(rng, 0.2)
+    curve = (
+        PchipInterpolator(at, radius)(height) if angular or len(at) > 5 else CubicSpline(at, radius)(height)
+    )
+    if chance(rng, 0.15):
+        curve = curve * (1 + between(rng, 0.015, 0.04) * np.cos(2 * np.pi * whole(rng, 5, 9) * height))
+    return height, np.maximum(curve, 0.045)
+
+
+def _section(rng: np.random.Generator) -> tuple[str, Float[np.ndarray, "S 2"]]:
+    """Horizontal cut of the body, of mean radius about one."""
+    name = pick(rng, {"round": 8, "lobed": 2, "faceted": 1.5, "square": 1.5, "oval": 1})
+    if name == "lobed":
+        lobes = whole(rng, 5, 12)
+        angle = np.arctan2(*ellipse(6 * lobes).T[::-1])
+        return name, ellipse(6 * lobes) * (1 + between(rng, 0.04, 0.12) * np.cos(lobes * angle))[:, None]
+    if name == "faceted":
+        return name, ellipse(whole(rng, 5, 8))
+    if name == "square":
+        return name, ellipse(32, between(rng, 4.0, 10.0)) * 0.92
+    if name == "oval":
+        return name, ellipse(28) * np.array([between(rng, 1.1, 1.4), between(rng, 0.6, 0.85)])
+    return name, ellipse(28)
+
+
+# --- parts --------------------------------------------------------------------------------------------------
+
+
+def _body(
+    rng: np.random.Generator,
+    height: Float[np.ndarray, "N"],
+    radius: Float[np.ndarray, "N"],
+    section: Float[np.ndarray, "S 2"],
+    wall: str,
+    twist: float,
+) -> Part:
+    """The vessel: with an inside, as one open sheet, or filled to the brim."""
+    outside = np.stack([radius, height], axis=1)
+    if wall == "thick":
+        thick = np.minimum(between(rng, 0.035, 0.06), 0.6 * radius)
+        floor = between(rng, 0.05, 0.09)
+        inner = np.stack([radius - thick, np.maximum(height, floor)], axis=1)[height >= floor - 0.02][::-1]
+        profile = np.concatenate([outside, inner])
+    else:
+        profile = outside
+    body = lathe(profile, section=section, cap_end=wall != "sheet")
+    if twist == 0:
+        return body
+    angle = np.radians(twist) * body.vertices[:, 1]
+    x, z = body.vertices[:, 0], body.vertices[:, 2]
+    turned = np.stack(
+        [x * np.cos(angle) + z * np.sin(angle), body.vertices[:, 1], z * np.cos(angle) - x * np.sin(angle)], 1
+    )
+    return Part(turned, body.faces)
+
+
+def _handles(
+    rng: np.random.Generator, height: Float[np.ndarray, "N"], radius: Float[np.ndarray, "N"]
+) -> list[Part]:
+    """Two loops from the shoulder to the neck."""
+    low, high = between(rng, 0.5, 0.65), between(rng, 0.84, 0.95)
+    return with_mirror(
+        [_loop(height, radius, low, high, between(rng, 0.06, 0.16), between(rng, 0.045, 0.07))]
+    )
+
+
+def _jug_handle(
+    rng: np.random.Generator, height: Float[np.ndarray, "N"], radius: Float[np.ndarray, "N"]
+) -> list[Part]:
+    """One large loop."""
+    low, high = between(rng, 0.25, 0.45), between(rng, 0.85, 0.95)
+    return [_loop(height, radius, low, high, between(rng, 0.12, 0.2), between(rng, 0.05, 0.075))]
+
+
+def _loop(
+    height: Float[np.ndarray, "N"],
+    radius: Float[np.ndarray, "N"],
+    low: float,
+    high: float,
+    reach: float,
+    thick: float,
+) -> Part:
+    t = np.linspace(0, 1, 13)
+    inside_low, inside_high = np.interp([low, high], height, radius) - 0.02
+    x = (
+        inside_low
+        + (inside_high - inside_low) * t
+        + (reach + max(0.0, inside_low - inside_high) * 0.4) * np.sin(np.pi * t)
+    )
+    y = low + (high - low) * t + 0.35 * reach * np.sin(np.pi * t) ** 2
+    return tube(np.stack([x, y, np.zeros(13)], axis=1), thick, up=(0, 0, 1))
+
+
+def _rings(
+    rng: np.random.Generator,
+    height: Float[np.ndarray, "N"],
+    radius: Float[np.ndarray, "N"],
+    section: Float[np.ndarray, "S 2"],
+) -> list[Part]:
+    """Bands laid round the body."""
+    bands = []
+    for place in rng.uniform(0.15, 0.85, whole(rng, 1, 3)):
+        r, tall = float(np.interp(place, height, radius)), between(rng, 0.02, 0.05)
+        profile = [
+            (r * 0.9, place - tall / 2),
+            (r + 0.02, place - tall / 3),
+            (r + 0.02, place + tall / 3),
+            (r * 0.9, place + tall / 2),
+        ]
+        bands.append(lathe(profile, section=section))
+    return bands
+
+
+def _lid(rng: np.random.Generator, mouth: float, section: Float[np.ndarray, "S 2"]) -> list[Part]:
+    """A dome with a knob."""
+    t = np.linspace(0, np.pi / 2, 7)[:-1]
+    rise, wide = between(rng, 0.06, 0.16), mouth * between(rng, 1.05, 1.25)
+    dome = np.concatenate(
+        [[[wide, 0.98], [wide, 1.02]], np.stack([wide * np.cos(t), 1.02 + rise * np.sin(t)], 1)[1:]]
+    )
+    s = np.linspace(0.15, np.pi - 0.15, 7)
+    knob = np.stack([0.045 * np.sin(s), 1.02 + rise + 0.03 - 0.045 * np.cos(s)], axis=1)
+    return [lathe(dome, section=section), lathe(knob, section=ellipse(12))]
