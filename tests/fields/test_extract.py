@@ -14,7 +14,7 @@ from tetgan.grids.hierarchy import build_hierarchy
 
 
 def distance_to_triangle(points, a, b, c):
-    """Distances of (P, 3) points to a triangle: to its three sides and, where they project inside, its plane."""
+    """Distances of (P, 3) points to a triangle: to its sides and, where they project inside, its plane."""
     distances = []
     for start, end in ((a, b), (b, c), (c, a)):
         share = np.clip((points - start) @ (end - start) / ((end - start) @ (end - start)), 0, 1)
