@@ -3,7 +3,6 @@
 Heavy libraries are imported inside the commands, so that `--help` answers at once.
 """
 
-import json
 import logging
 import sys
 from pathlib import Path
@@ -216,8 +215,8 @@ def extractor(
 
     Example: `tetgan extractor chair.npz sofa.npz extractor`
     """
-    from tetgan.evaluation.options import ExtractorOptions
     from tetgan.training.classifier import train_classifier
+    from tetgan.training.extractor_options import ExtractorOptions
 
     _use_threads(threads)
     train_classifier(

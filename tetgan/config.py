@@ -7,18 +7,19 @@ tells whether it is in step. These classes are the one place that knows types, r
 import argparse
 import sys
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import yaml
 from pydantic import Field, model_validator
 
 from tetgan.errors import UserError
-from tetgan.evaluation.options import EvaluationOptions, ExtractorOptions
+from tetgan.evaluation.options import EvaluationOptions
 from tetgan.grids.options import GridOptions
 from tetgan.meshing.options import MeshingOptions
 from tetgan.models.options import ModelOptions, TetganOptions
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
+from tetgan.training.extractor_options import ExtractorOptions
 from tetgan.training.options import TrainingOptions
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
@@ -72,7 +73,7 @@ class Config(Options):
     evaluation: EvaluationOptions = Field(EvaluationOptions(), description="metrics and their intervals")
 
     @model_validator(mode="after")
-    def _names_agree(self) -> Self:
+    def _names_agree(self) -> "Config":
         for category in self.categories:
             if category not in self.sources:
                 raise ValueError(f"categories: '{category}' has no entry under sources")

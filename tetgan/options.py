@@ -1,11 +1,13 @@
 """Base class of every set of options, and how a bad one is reported."""
 
 import difflib
-from typing import Any, Self
+from typing import Any, TypeVar
 
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from tetgan.errors import UserError
+
+OptionsType = TypeVar("OptionsType", bound="Options")
 
 
 class Options(BaseModel):
@@ -14,7 +16,7 @@ class Options(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
     @classmethod
-    def parse(cls, values: dict[str, Any], where: str = "config") -> Self:
+    def parse(cls: type[OptionsType], values: dict[str, Any], where: str = "config") -> OptionsType:
         """Options from plain values, filling defaults; see `parse_options`."""
         return parse_options(cls, values, where)
 

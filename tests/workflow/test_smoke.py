@@ -49,8 +49,11 @@ def test_the_smoke_run_leaves_the_default_run_alone(smoked):
 def test_a_deleted_output_reruns_only_what_depends_on_it(smoked):
     project, _, _ = smoked
     (project.folder / "results/smoke/fields/chair/LR/1-of-2.zarr.zip").unlink()
-    rerun = planned(project.smoke("-n", "--forcerun", "extract_fields", "--allowed-rules", *[]) if False else
-                    project.smoke("-n", *TARGETS))
+    rerun = planned(
+        project.smoke("-n", "--forcerun", "extract_fields", "--allowed-rules", *[])
+        if False
+        else project.smoke("-n", *TARGETS)
+    )
     assert rerun["extract_fields"] == 1
     assert "repair_shapes" not in rerun
     assert "train_extractor" not in rerun

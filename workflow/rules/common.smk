@@ -16,7 +16,9 @@ except UserError as error:
 
 SETTINGS = Config.parse(config)
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
-SHOWN_MODELS = [name for name, model in SETTINGS.models.items() if model.kind == "tetgan"]
+SHOWN_MODELS = [
+    name for name, model in SETTINGS.models.items() if model.kind == "tetgan"
+]
 
 
 def stage_digest(*rooms):
@@ -28,8 +30,12 @@ def stage_digest(*rooms):
     digest = hashlib.sha256()
     for room in rooms:
         found = package / room
-        for module in sorted(found.rglob("*.py")) if found.is_dir() else [package / f"{room}.py"]:
-            digest.update(module.relative_to(package).as_posix().encode() + module.read_bytes())
+        for module in (
+            sorted(found.rglob("*.py")) if found.is_dir() else [package / f"{room}.py"]
+        ):
+            digest.update(
+                module.relative_to(package).as_posix().encode() + module.read_bytes()
+            )
     return digest.hexdigest()[:12]
 
 
@@ -66,10 +72,15 @@ def identity(wildcards):
 
 def model_fields(wildcards):
     """Index and shards of the fields that a model learns from."""
-    folder = f"<results>/fields/{wildcards.category}/{SETTINGS.models[wildcards.model].grid}"
+    folder = (
+        f"<results>/fields/{wildcards.category}/{SETTINGS.models[wildcards.model].grid}"
+    )
     return {
         "index": f"{folder}/index.json",
-        "shards": [f"{folder}/{part}-of-{config['shards']}.zarr.zip" for part in shard_numbers()],
+        "shards": [
+            f"{folder}/{part}-of-{config['shards']}.zarr.zip"
+            for part in shard_numbers()
+        ],
     }
 
 

@@ -28,7 +28,9 @@ rule extract_fields:
 
 rule index_fields:
     input:
-        fields=gather.shards("<results>/fields/{{category}}/{{grid}}/{scatteritem}.zarr.zip"),
+        fields=gather.shards(
+            "<results>/fields/{{category}}/{{grid}}/{scatteritem}.zarr.zip"
+        ),
         catalogue="<results>/data/{category}/catalogue.csv",
     output:
         index="<results>/fields/{category}/{grid}/index.json",

@@ -78,11 +78,11 @@ def draw(samples: list[str], names: list[str], archives: list[str], out: str) ->
     save_image(out, contact_sheet(pictures, COLUMNS, row_titles=[title for title, _ in rows]))
 
 
-with Path(snakemake.log[0]).open("w") as log:  # noqa: F821 - Snakemake puts its object here
+with Path(snakemake.log[0]).open("w") as log:
     sys.stdout = sys.stderr = log
     draw(
-        list(snakemake.input.samples),  # noqa: F821
-        list(snakemake.params.names),  # noqa: F821
-        list(snakemake.input.meshes),  # noqa: F821
-        snakemake.output.picture,  # noqa: F821
+        list(snakemake.input.samples),
+        list(snakemake.params.names),
+        list(snakemake.input.meshes),
+        snakemake.output.picture,
     )
