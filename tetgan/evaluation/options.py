@@ -5,6 +5,9 @@ from typing import Literal, Self
 from pydantic import Field, model_validator
 
 from tetgan.options import Options
+from tetgan.training.extractor_options import ExtractorOptions
+
+__all__ = ["BootstrapOptions", "EvaluationOptions", "ExtractorOptions", "KernelOptions", "VarietyOptions"]
 
 
 class VarietyOptions(Options):
