@@ -11,13 +11,28 @@ from embreex import rtcore_scene
 from embreex.mesh_construction import TriangleMesh
 from jaxtyping import Bool, Float, Int, UInt8
 
-STEEL: tuple[float, float, float] = (0.36, 0.56, 0.80)  # default colour of a surface, linear RGB
+STEEL: tuple[float, float, float] = (0.22, 0.42, 0.70)  # default colour of a surface, linear RGB
 _MARGIN = 0.04  # of the picture's shorter side, left free around the shape
 _SUPERSAMPLES = 2  # rays a pixel along each axis
-_SKY_RAYS = 6  # ambient-occlusion rays a primary ray
-_SKY_REACH = 0.5  # how far a surface darkens its surroundings, over the shape's diagonal
+_SKY_RAYS = 5  # ambient-occlusion rays a primary ray
+_SKY_REACH = 0.6  # how far a surface darkens its surroundings, over the shape's diagonal
 _LIFT = 2e-4  # start of a secondary ray above its surface, over the shape's diagonal
-_KEY, _FILL, _SKY = 0.62, 0.20, 0.45  # light from the upper left, from the right, from everywhere
+# Linear RGB of the lights: a warm one from the upper left, a weak one from the right, and the sky.
+_KEY = np.array([0.74, 0.70, 0.64])
+_FILL = np.array([0.13, 0.14, 0.16])
+_SKY = np.array([0.34, 0.37, 0.42])
+
+
+def _even_sphere(count: int) -> Float[np.ndarray, "N 3"]:
+    """Points spread evenly over the unit sphere, in an order of which every stride is spread too."""
+    number = np.arange(count)
+    height = 1 - (2 * number + 1) / count
+    angle = number * np.pi * (3 - np.sqrt(5))
+    ring = np.sqrt(1 - height**2)
+    return np.stack([ring * np.cos(angle), ring * np.sin(angle), height], axis=1).astype(np.float32)
+
+
+_SPHERE = _even_sphere(_SKY_RAYS * _SUPERSAMPLES**2)
 
 
 @dataclass(frozen=True)
@@ -66,10 +81,10 @@ def render_mesh(
     origins = _ray_origins(camera, size, diagonal)
     hit, face, points = _first_hits(scene, origins, camera)
     normals = _facing_normals(scaled[faces[face]], camera)
-    light = _light(scene, points, normals, hit, camera)
+    light = _light(scene, points, normals, _subpixels(size)[hit], camera)
     shade = np.ones((len(origins), 3))
     paint = np.asarray(colors, dtype=float)
-    shade[hit] = _encode(light[:, None] * (paint if paint.ndim == 1 else paint[face]))
+    shade[hit] = _encode(light * (paint if paint.ndim == 1 else paint[face]))
     return _average(shade, size)
 
 
@@ -106,6 +121,13 @@ def _ray_origins(camera: _Camera, size: tuple[int, int], diagonal: float) -> Flo
     return (plane + 2.0 * camera.back).reshape(-1, 3).astype(np.float32)
 
 
+def _subpixels(size: tuple[int, int]) -> Int[np.ndarray, "R"]:
+    """Place of each ray within its pixel, in the order of the rays."""
+    width, height = (extent * _SUPERSAMPLES for extent in size)
+    column, row = np.arange(width) % _SUPERSAMPLES, np.arange(height) % _SUPERSAMPLES
+    return (row[:, None] * _SUPERSAMPLES + column).ravel()
+
+
 def _first_hits(
     scene: rtcore_scene.EmbreeScene, origins: Float[np.ndarray, "R 3"], camera: _Camera
 ) -> tuple[Bool[np.ndarray, "R"], Int[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
@@ -129,49 +151,49 @@ def _light(
     scene: rtcore_scene.EmbreeScene,
     points: Float[np.ndarray, "N 3"],
     normals: Float[np.ndarray, "N 3"],
-    hit: Bool[np.ndarray, "R"],
+    subpixel: Int[np.ndarray, "N"],
     camera: _Camera,
-) -> Float[np.ndarray, "N"]:
-    """Light arriving at each hit point, 0 to about 1.2."""
+) -> Float[np.ndarray, "N 3"]:
+    """Linear RGB arriving at each hit point, 0 to about 1.2."""
     starts = (points + _LIFT * normals).astype(np.float32)
-    key = _unit(-0.55 * camera.right + 0.75 * camera.up + 0.65 * camera.back)
+    key = _unit(-0.45 * camera.right + 0.70 * camera.up + 0.75 * camera.back)
     fill = _unit(0.85 * camera.right + 0.15 * camera.up + 0.5 * camera.back)
     towards = np.clip(normals @ key, 0, None)
     lit = towards > 0
-    towards[lit] *= ~_blocked(scene, starts[lit], np.broadcast_to(key, (int(lit.sum()), 3)), reach=1e3)
-    # Even where the sky is hidden some light arrives, or every joint of a chair would be a black line.
-    sky = 0.2 + 0.8 * _open_sky(scene, starts, normals, np.flatnonzero(hit))
-    return _KEY * towards + _FILL * np.clip(normals @ fill, 0, None) * sky + _SKY * sky
+    towards[lit] *= ~_blocked(scene, starts[lit], key, reach=1e3)
+    sky = _open_sky(scene, starts, normals, subpixel)
+    from_sky = sky * (1 + 0.25 * normals[:, 1])  # brighter above than below
+    from_fill = np.clip(normals @ fill, 0, None) * sky
+    return towards[:, None] * _KEY + from_fill[:, None] * _FILL + from_sky[:, None] * _SKY
 
 
 def _open_sky(
     scene: rtcore_scene.EmbreeScene,
     starts: Float[np.ndarray, "N 3"],
     normals: Float[np.ndarray, "N 3"],
-    ray_number: Int[np.ndarray, "N"],
+    subpixel: Int[np.ndarray, "N"],
 ) -> Float[np.ndarray, "N"]:
     """Cosine-weighted share of nearby directions that are free.
 
-    Neighbouring rays look in different directions of one low-discrepancy sequence, so that averaging the rays
-    of a pixel averages over many directions.
+    Each subpixel looks in its own few directions of one even set, the same for every pixel: a pixel's average
+    covers the whole set and shows no grain.
     """
     free = np.zeros(len(starts))
-    for sample in range(_SKY_RAYS):
-        number = ray_number * _SKY_RAYS + sample
-        height = 2 * np.mod(number * 0.7548776662466927, 1.0) - 1
-        angle = 2 * np.pi * np.mod(number * 0.5698402909980532, 1.0)
-        ring = np.sqrt(1 - height**2)
-        # A uniform point of the sphere plus the normal is cosine-weighted about the normal.
-        ball = np.stack([ring * np.cos(angle), ring * np.sin(angle), height], axis=1)
-        directions = _unit(normals + 0.999 * ball)
-        free += ~_blocked(scene, starts, directions, reach=_SKY_REACH)
+    for group in range(_SUPERSAMPLES**2):
+        here = np.flatnonzero(subpixel == group)
+        from_here, normals_here = starts[here], normals[here].astype(np.float32)
+        for direction in _SPHERE[group :: _SUPERSAMPLES**2]:
+            # A uniform point of the sphere plus the normal is cosine-weighted about the normal. Its length, up to
+            # two, scales the reach: what lies straight ahead darkens from further away.
+            rays = normals_here + 0.999 * direction
+            free[here] += ~_blocked(scene, from_here, rays, reach=_SKY_REACH / 2)
     return free / _SKY_RAYS
 
 
 def _blocked(
     scene: rtcore_scene.EmbreeScene,
     starts: Float[np.ndarray, "N 3"],
-    directions: Float[np.ndarray, "N 3"],
+    directions: Float[np.ndarray, "*rays 3"],
     *,
     reach: float,
 ) -> Bool[np.ndarray, "N"]:
@@ -179,7 +201,7 @@ def _blocked(
     if len(starts) == 0:
         return np.zeros(0, dtype=bool)
     limits = np.full(len(starts), reach, dtype=np.float32)
-    rays = np.ascontiguousarray(directions, dtype=np.float32)
+    rays = np.ascontiguousarray(np.broadcast_to(directions, starts.shape), dtype=np.float32)
     return scene.run(np.ascontiguousarray(starts), rays, dists=limits, query="OCCLUDED") == 0
 
 
@@ -188,7 +210,7 @@ def _unit(vectors: Float[np.ndarray, "*rows 3"]) -> Float[np.ndarray, "*rows 3"]
 
 
 def _encode(linear: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
-    """Linear light to sRGB by its usual power law, highlights rolled off below white."""
+    """Linear light to sRGB by its usual power law."""
     return np.clip(linear, 0, 1) ** (1 / 2.2)
 
 
