@@ -4,6 +4,7 @@ Heavy libraries are imported inside the commands, so that `--help` answers at on
 """
 
 import logging
+import os
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -149,11 +150,15 @@ def fields(
     meshes: Annotated[Path, typer.Argument(help="Zip written by `tetgan repair`.")],
     out: Annotated[Path, typer.Argument(help="Field store (.zarr.zip) to write.")],
     grid: OptionsText,
+    threads: Threads = 1,
 ) -> None:
     """Sample occupancy and displacement of every mesh on a tetrahedral grid.
 
     Example: `tetgan fields chairs.zip chairs.zarr.zip --grid '{cells: 2, depth: 2}'`
     """
+    os.environ["IGL_NUM_THREADS"] = str(
+        threads
+    )  # read when libigl is imported; it takes every core otherwise
     from tetgan.fields.shards import extract_shard
     from tetgan.grids.options import GridOptions
 
@@ -277,6 +282,7 @@ def metrics(
         _options(EvaluationOptions, options, "--options"),
         _plain(identity, "--identity"),
         out,
+        threads,
     )
 
 
@@ -308,6 +314,7 @@ def floor(
         _options(EvaluationOptions, options, "--options"),
         category,
         out,
+        threads,
     )
 
 

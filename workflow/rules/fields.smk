@@ -23,7 +23,8 @@ rule extract_fields:
         grid=section("grids", "{grid}"),
         code=stage_digest("grids", "fields"),
     shell:
-        "tetgan fields {input.meshes:q} {output.fields:q} --grid {params.grid:q} >{log:q} 2>&1"
+        "tetgan fields {input.meshes:q} {output.fields:q} --grid {params.grid:q} --threads {threads}"
+        " >{log:q} 2>&1"
 
 
 rule index_fields:
