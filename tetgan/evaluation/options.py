@@ -14,12 +14,14 @@ class VarietyOptions(Options):
     """How much the most similar generated shapes differ."""
 
     definition: Literal["text", "appendix"] = Field(
-        "text",
-        description="text: random pairs, the closest of them averaged; appendix: all pairs of a random set of shapes.",
+        default="text",
+        description="text: random pairs, the closest averaged; appendix: all pairs of a random set of shapes.",
     )
-    pairs: int = Field(250, ge=1, description="Pairs drawn (text), or shapes in the set (appendix).")
-    closest: int = Field(25, ge=1, description="How many of the smallest distances are averaged.")
-    repeats: int = Field(5, ge=1, description="Independent draws; their mean and standard deviation are reported.")
+    pairs: int = Field(default=250, ge=1, description="pairs drawn (text), or shapes in the set (appendix)")
+    closest: int = Field(default=25, ge=1, description="how many of the smallest distances are averaged")
+    repeats: int = Field(
+        default=5, ge=1, description="independent draws; their mean and standard deviation are reported"
+    )
 
     @model_validator(mode="after")
     def _enough_pairs(self) -> Self:
@@ -32,27 +34,42 @@ class VarietyOptions(Options):
 class KernelOptions(Options):
     """Blocks of the kernel distance (KID)."""
 
-    block: int = Field(100, ge=2, description="Features of each side in a block; at most the samples are used.")
-    blocks: int = Field(100, ge=1, description="Random blocks; their mean and standard deviation are reported.")
+    block: int = Field(
+        default=100, ge=2, description="features of each side in a block; at most the samples are used"
+    )
+    blocks: int = Field(
+        default=100, ge=1, description="random blocks; their mean and standard deviation are reported"
+    )
 
 
 class BootstrapOptions(Options):
     """Intervals on every figure."""
 
-    resamples: int = Field(1000, ge=20, le=100_000, description="Resamples of a mean or of the kernel distance.")
-    frechet_resamples: int = Field(100, ge=20, le=10_000, description="Resamples of the Fréchet distance.")
-    level: float = Field(0.95, gt=0, lt=1, description="Coverage of the interval.")
+    resamples: int = Field(
+        default=1000, ge=20, le=100_000, description="resamples of a mean or of the kernel distance"
+    )
+    frechet_resamples: int = Field(
+        default=100, ge=20, le=10_000, description="resamples of the Fréchet distance"
+    )
+    level: float = Field(default=0.95, gt=0, lt=1, description="coverage of the interval")
 
 
 class EvaluationOptions(Options):
     """Conventions of the metrics; docs/metrics.md says what each figure means."""
 
-    points: int = Field(10_000, ge=100, le=1_000_000, description="Points sampled on each surface for distances.")
-    fscore_threshold: float = Field(
-        0.01, gt=0, le=1, description="Distance within which a point counts as found, as a fraction of the unit cube."
+    points: int = Field(
+        default=10_000, ge=100, le=1_000_000, description="points sampled on each surface for distances"
     )
-    samples: int = Field(256, ge=2, description="Surfaces on each side of the Fréchet and kernel distances.")
+    fscore_threshold: float = Field(
+        default=0.01,
+        gt=0,
+        le=1,
+        description="distance within which a point counts as found, as a fraction of the unit cube",
+    )
+    samples: int = Field(
+        default=256, ge=2, description="surfaces on each side of the Fréchet and kernel distances"
+    )
     variety: VarietyOptions = VarietyOptions()
     kernel: KernelOptions = KernelOptions()
     bootstrap: BootstrapOptions = BootstrapOptions()
-    seed: int = Field(0, ge=0, description="Of every random choice of the evaluation.")
+    seed: int = Field(default=0, ge=0, description="of every random choice of the evaluation")

@@ -1,15 +1,22 @@
-"""PointNet++ (single-scale grouping, no normals): the classifier whose features the Fréchet distance compares.
+"""PointNet++ (single-scale grouping, no normals): its features are what the Fréchet distance compares.
 
-Qi et al. (2017), "PointNet++: Deep Hierarchical Feature Learning on Point Sets in a Metric Space", SSG of their
-appendix B. Points are centred and scaled to the unit sphere before they come here.
+Qi et al. (2017), "PointNet++: Deep Hierarchical Feature Learning on Point Sets in a Metric Space", the SSG
+of their appendix B. Points are centred and scaled to the unit sphere before they come here.
 """
 
-from typing import NamedTuple
+import hashlib
+import json
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import torch
 from jaxtyping import Float, Int
+from safetensors.torch import load_file, save_file
 from torch import Tensor, nn
 from torch.nn import functional
+
+from tetgan.errors import UserError
 
 INPUT_POINTS = 1024
 FEATURES = 256
@@ -23,9 +30,9 @@ class Grouping(NamedTuple):
 
 
 class Level(NamedTuple):
-    """One grouped set abstraction: `count` balls of `radius`, at most `limit` points each."""
+    """One grouped set abstraction: `balls` of `radius`, at most `limit` points each."""
 
-    count: int
+    balls: int
     radius: float
     limit: int
 
@@ -49,7 +56,9 @@ def farthest_points(
     batch, size, _ = points.shape
     if count > size:
         raise ValueError(f"cannot keep {count} of {size} points")
-    axes = points.detach().permute(2, 0, 1).contiguous()  # long inner axis: the loop below is vectorised over B P
+    axes = (
+        points.detach().permute(2, 0, 1).contiguous()
+    )  # long inner axis: the loop below is vectorised over B P
     rows = torch.arange(batch, device=points.device)
     current = torch.zeros_like(rows) if start is None else start.to(torch.long)
     nearest = torch.full((batch, size), torch.inf, dtype=points.dtype, device=points.device)
@@ -67,8 +76,8 @@ def ball_query(
 ) -> Int[Tensor, "B S K"]:
     """The first `limit` points, in index order, closer than `radius` to each center.
 
-    A ball with fewer repeats its first point, as the original does. Every center must be one of the points, so that
-    no ball is empty.
+    A ball with fewer repeats its first point, as the original does. Every center must be one of the points,
+    so that no ball is empty.
     """
     batch, balls, _ = centers.shape
     distance = torch.cdist(centers, points, compute_mode="donot_use_mm_for_euclid_dist")
@@ -83,11 +92,28 @@ def ball_query(
     return members.view(batch, balls, limit)
 
 
+def prepare_clouds(
+    points: Float[Tensor, "B P 3"], start: Int[Tensor, "B"] | None = None
+) -> Float[Tensor, "B 1024 3"]:
+    """Input of the network: 1,024 farthest-point samples, their mean at the origin, the farthest at 1.
+
+    Raises:
+        ValueError: a cloud has fewer points, or all of them in one place.
+    """
+    chosen = farthest_points(points, INPUT_POINTS, start)
+    kept = points.gather(1, chosen[..., None].expand(-1, -1, 3))
+    kept = kept - kept.mean(1, keepdim=True)
+    radius = kept.norm(dim=2).amax(1)
+    if not (radius > 0).all():
+        raise ValueError("a cloud has all its points in one place")
+    return kept / radius[:, None, None]
+
+
 def group_points(points: Float[Tensor, "B P 3"]) -> tuple[Grouping, ...]:
     """Centers and balls of every grouped level, each level's indices into the points of the one before."""
     groupings = []
     for level in LEVELS:
-        centers = farthest_points(points, level.count)
+        centers = farthest_points(points, level.balls)
         chosen = points.gather(1, centers[..., None].expand(-1, -1, 3))
         groupings.append(Grouping(centers, ball_query(points, chosen, level.radius, level.limit)))
         points = chosen
@@ -121,7 +147,7 @@ class PointNet2(nn.Module):
     def features(
         self, points: Float[Tensor, "B P 3"], groupings: tuple[Grouping, ...] | None = None
     ) -> Float[Tensor, "B 256"]:
-        """Output of the second fully connected layer after batch norm, before ReLU (DESIGN of the metrics)."""
+        """Output of the second fully connected layer, after its batch norm and before its ReLU."""
         first, second = group_points(points) if groupings is None else groupings
         points, channels = self.level1(points, None, first)
         points, channels = self.level2(points, channels, second)
@@ -136,7 +162,7 @@ class SetAbstraction(nn.Module):
         super().__init__()
         self.first = nn.Linear(3 + channels, widths[0], bias=False)  # batch norm follows: a bias would cancel
         layers: list[nn.Module] = [nn.BatchNorm1d(widths[0]), nn.ReLU(inplace=True)]
-        for before, after in zip(widths, widths[1:], strict=False):
+        for before, after in pairwise(widths):
             layers += [nn.Linear(before, after, bias=False), nn.BatchNorm1d(after), nn.ReLU(inplace=True)]
         self.rest = nn.Sequential(*layers)
 
@@ -148,8 +174,8 @@ class SetAbstraction(nn.Module):
     ) -> tuple[Float[Tensor, "B S 3"], Float[Tensor, "B S D"]]:
         """Centers and one feature row a ball; without a grouping one ball at the origin holds everything.
 
-        The first layer is linear in (p - c, f), so it runs once a point and once a center and the balls gather its
-        results: the same numbers as one product a member, a fifth of the arithmetic.
+        The first layer is linear in (p - c, f), so it runs once a point and once a center, and the balls gather
+        its results: the same sums as one product a member, with a fraction of the arithmetic.
         """
         inputs = points if channels is None else torch.cat([points, channels], dim=2)
         projected = self.first(inputs)
@@ -164,7 +190,42 @@ class SetAbstraction(nn.Module):
 
 
 def _gather_rows(rows: Float[Tensor, "B P C"], members: Int[Tensor, "B S K"]) -> Float[Tensor, "B S K C"]:
-    """Rows of every ball's members. An embedding look-up, because its backward is deterministic on every device."""
+    """Rows of every ball's members, looked up as embeddings: their backward is deterministic everywhere."""
     batch, size, _ = rows.shape
     offset = torch.arange(batch, device=rows.device)[:, None, None] * size
     return functional.embedding(members + offset, rows.flatten(0, 1))
+
+
+class Classifier(NamedTuple):
+    """A trained network, ready to use, and what is known of it."""
+
+    network: PointNet2
+    categories: tuple[str, ...]
+    accuracy: float
+    digest: str
+
+
+def save_classifier(folder: Path, network: PointNet2, about: dict[str, Any]) -> None:
+    """Write `weights.safetensors` and `options.json`; `about` holds `categories` and `holdout_accuracy`."""
+    tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in network.state_dict().items()}
+    save_file(tensors, folder / "weights.safetensors")
+    (folder / "options.json").write_text(json.dumps(about, indent=1) + "\n")
+
+
+def load_classifier(folder: Path, device: torch.device | str = "cpu") -> Classifier:
+    """Read what `save_classifier` wrote; the digest is the first 12 hex digits of the weights' sha256.
+
+    Raises:
+        UserError: the folder does not hold such a classifier.
+    """
+    weights = Path(folder) / "weights.safetensors"
+    try:
+        about = json.loads((Path(folder) / "options.json").read_text())
+        network = PointNet2(len(about["categories"]))
+        network.load_state_dict(load_file(weights))
+        digest = hashlib.sha256(weights.read_bytes()).hexdigest()[:12]
+        accuracy = float(about["holdout_accuracy"])
+    except (OSError, KeyError, ValueError, RuntimeError) as error:
+        reason = str(error).splitlines()[0]
+        raise UserError(f"{folder}: not a folder of a trained PointNet++ classifier ({reason})") from None
+    return Classifier(network.to(device).eval(), tuple(about["categories"]), accuracy, digest)

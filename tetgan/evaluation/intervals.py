@@ -1,0 +1,54 @@
+"""Intervals by resampling: how far a figure could have moved with other shapes of the same kind."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy import stats
+
+
+class Interval(NamedTuple):
+    """Ends of an interval; nan where too few values were there to say."""
+
+    low: float
+    high: float
+
+
+def resample_indices(size: int, resamples: int, rng: np.random.Generator) -> Int[np.ndarray, "R N"]:
+    """`resamples` draws of `size` items with replacement."""
+    return rng.integers(size, size=(resamples, size))
+
+
+def bootstrap_mean(
+    values: Float[np.ndarray, "N"], resamples: int, level: float, rng: np.random.Generator
+) -> Interval:
+    """Percentile bootstrap of a mean (Efron and Tibshirani 1993, chapter 13)."""
+    if len(values) < 2:
+        return Interval(np.nan, np.nan)
+    means = values[resample_indices(len(values), resamples, rng)].mean(1)
+    return percentile_interval(means, level)
+
+
+def percentile_interval(values: Float[np.ndarray, "R"], level: float) -> Interval:
+    """The central `level` of the values."""
+    low, high = np.quantile(values, [(1 - level) / 2, (1 + level) / 2])
+    return Interval(float(low), float(high))
+
+
+def recentered_interval(value: float, resampled: Float[np.ndarray, "R"], level: float) -> Interval:
+    """Percentiles of a bootstrap, moved so that its mean lies on the value.
+
+    A resample holds duplicates, which biases a statistic of covariances upward: its spread is right, its
+    place is not.
+    """
+    low, high = percentile_interval(resampled, level)
+    shift = value - float(resampled.mean())
+    return Interval(low + shift, high + shift)
+
+
+def student_interval(values: Float[np.ndarray, "N"], level: float) -> Interval:
+    """Student's interval of a mean: for a handful of repeats, where the bootstrap is far too narrow."""
+    if len(values) < 2:
+        return Interval(np.nan, np.nan)
+    half = stats.t.ppf((1 + level) / 2, len(values) - 1) * values.std(ddof=1) / np.sqrt(len(values))
+    return Interval(float(values.mean() - half), float(values.mean() + half))

@@ -1,0 +1,20 @@
+"""Work that releases the interpreter lock, on several threads, with its progress shown."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, TypeVar
+
+import numpy as np
+from rich.console import Console
+from rich.progress import track
+
+R = TypeVar("R")
+
+
+def map_threads(
+    function: Callable[..., R], items: Sequence[Any] | np.ndarray, threads: int, label: str
+) -> list[R]:
+    """Results of `function` for every item, in their order."""
+    with ThreadPoolExecutor(max_workers=threads) as pool:
+        results = pool.map(function, items)
+        return list(track(results, label, total=len(items), console=Console(stderr=True), transient=True))

@@ -1,0 +1,94 @@
+"""How different the most similar shapes of a set are."""
+
+from collections.abc import Sequence
+from itertools import combinations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from tetgan.evaluation.chamfer import SurfaceSample, chamfer, nearest
+from tetgan.evaluation.options import VarietyOptions
+from tetgan.evaluation.threads import map_threads
+
+# Queries of an estimate, and how many of its standard errors an exact distance may lie away from it. Six let
+# fewer than one pair in a hundred million through.
+_PROBES = 1000
+_ERRORS = 6.0
+
+
+def shapes_needed(options: VarietyOptions) -> int:
+    """Fewest shapes from which a draw can be made."""
+    if options.definition == "appendix":
+        return options.pairs
+    shapes = 2
+    while shapes * (shapes - 1) // 2 < options.pairs:
+        shapes += 1
+    return shapes
+
+
+def variety(
+    samples: Sequence[SurfaceSample], options: VarietyOptions, rng: np.random.Generator, threads: int = 1
+) -> Float[np.ndarray, "R"]:
+    """Mean Chamfer distance of the closest pairs, once a repeat.
+
+    Args:
+        samples: one sample a generated shape.
+        options: which pairs are drawn (see `VarietyOptions`) and how many count.
+        rng: draws the pairs.
+        threads: KD-tree queries run side by side.
+
+    Raises:
+        ValueError: fewer shapes than `shapes_needed`.
+    """
+    if len(samples) < shapes_needed(options):
+        raise ValueError(f"variety needs {shapes_needed(options)} shapes, not {len(samples)}")
+    draws = [_draw_pairs(len(samples), options, rng) for _ in range(options.repeats)]
+    pairs, place = np.unique(np.concatenate(draws), axis=0, return_inverse=True)
+    places = np.split(place.reshape(-1), options.repeats)
+    estimate, error = _estimate(samples, pairs, threads)
+    measured = np.zeros(len(pairs), dtype=bool)
+    for drawn in places:
+        measured[drawn] |= _may_be_closest(estimate[drawn], error[drawn], options.closest)
+    distances = np.full(len(pairs), np.inf)
+    distances[measured] = map_threads(
+        lambda pair: chamfer(samples[pair[0]], samples[pair[1]]), pairs[measured], threads, "closest pairs"
+    )
+    return np.array([np.sort(distances[drawn])[: options.closest].mean() for drawn in places])
+
+
+def _draw_pairs(shapes: int, options: VarietyOptions, rng: np.random.Generator) -> Int[np.ndarray, "K 2"]:
+    """Distinct unordered pairs of one repeat."""
+    if options.definition == "appendix":
+        chosen = np.sort(rng.choice(shapes, options.pairs, replace=False))
+        return np.array(list(combinations(chosen, 2)))
+    first, second = np.triu_indices(shapes, 1)
+    chosen = rng.choice(len(first), options.pairs, replace=False)
+    return np.stack([first[chosen], second[chosen]], axis=1)
+
+
+def _estimate(
+    samples: Sequence[SurfaceSample], pairs: Int[np.ndarray, "K 2"], threads: int
+) -> tuple[Float[np.ndarray, "K"], Float[np.ndarray, "K"]]:
+    """Chamfer distance of each pair from a part of the queries, and its standard error.
+
+    The order of a sample's points is random, so the first of them are a fair part.
+    """
+
+    def probe(pair: Int[np.ndarray, "2"]) -> tuple[float, float]:
+        first, second = samples[pair[0]], samples[pair[1]]
+        squares = [
+            nearest(source.points[:_PROBES], target)[0] ** 2
+            for source, target in ((first, second), (second, first))
+        ]
+        return sum(s.mean() for s in squares), np.sqrt(sum(s.var() / len(s) for s in squares))
+
+    probed = np.array(map_threads(probe, pairs, threads, "pairs"))
+    return probed[:, 0], probed[:, 1]
+
+
+def _may_be_closest(
+    estimate: Float[np.ndarray, "K"], error: Float[np.ndarray, "K"], closest: int
+) -> Bool[np.ndarray, "K"]:
+    """Pairs that could be among the `closest`: only they are worth all their points."""
+    bound = np.partition(estimate + _ERRORS * error, closest - 1)[closest - 1]
+    return estimate - _ERRORS * error <= bound
