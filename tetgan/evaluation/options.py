@@ -15,7 +15,7 @@ class VarietyOptions(Options):
 
     definition: Literal["text", "appendix"] = Field(
         default="text",
-        description="text: random pairs, the closest averaged; appendix: all pairs of a random set of shapes.",
+        description="text: closest of random pairs; appendix: closest of all pairs of a random set",
     )
     pairs: int = Field(default=250, ge=1, description="pairs drawn (text), or shapes in the set (appendix)")
     closest: int = Field(default=25, ge=1, description="how many of the smallest distances are averaged")

@@ -26,8 +26,8 @@ _MADE = {
 }
 _ABOUT_PAPER = (
     "The paper's figures stand in parentheses as printed. They were measured on other shapes (ShapeNet, "
-    "COSEG), at the paper's sizes and with another extractor: they are no claim of equal conditions. Its text "
-    "also gives 98.9 % manifold edges for its ground-truth chairs and 98.5 % for generated ones."
+    "COSEG), at the paper's sizes and with another extractor: they are no claim of equal conditions. Its "
+    "text also gives 98.9 % manifold edges for its ground-truth chairs and 98.5 % for generated ones."
 )
 
 
@@ -125,8 +125,8 @@ def _floor(table: pd.DataFrame) -> list[str]:
     )
     return [
         f"Floor (row `real`): {figures or 'not measured'}. FID and KID compare real training surfaces with "
-        "real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice. Below it no model can be "
-        "told from a perfect one."
+        "real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice. Below it no model can "
+        "be told from a perfect one."
     ]
 
 

@@ -74,13 +74,13 @@ class Section:
         if found is None or holdout.features is None:
             self.metrics |= {"fid": Estimate(), "kid": Estimate()}
             self.notes.append(
-                f"FID and KID need {needed} surfaces on each side and have {available} and {holdout.available}"
+                f"FID and KID need {needed} surfaces on each side and have {available}, {holdout.available}"
             )
             return
         self.metrics |= feature_estimates(found, holdout.features, self.options)
         if needed < 3 * FEATURES:
             self.notes.append(
-                f"FID at N = {needed}, below 3 × {FEATURES}, is mostly bias: compare it only with the floor, "
+                f"FID at N = {needed}, below {3 * FEATURES}, is mostly bias: compare it only with the floor, "
                 "and read KID first"
             )
 

@@ -174,8 +174,8 @@ class SetAbstraction(nn.Module):
     ) -> tuple[Float[Tensor, "B S 3"], Float[Tensor, "B S D"]]:
         """Centers and one feature row a ball; without a grouping one ball at the origin holds everything.
 
-        The first layer is linear in (p - c, f), so it runs once a point and once a center, and the balls gather
-        its results: the same sums as one product a member, with a fraction of the arithmetic.
+        The first layer is linear in (p - c, f), so it runs once a point and once a center, and the balls
+        gather its results: the same sums as one product a member, with a fraction of the arithmetic.
         """
         inputs = points if channels is None else torch.cat([points, channels], dim=2)
         projected = self.first(inputs)

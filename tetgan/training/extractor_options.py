@@ -12,7 +12,7 @@ class ExtractorOptions(Options):
 
     checkpoint: Path | None = Field(
         default=None,
-        description="folder of a classifier trained before (weights.safetensors, options.json); none: train one",
+        description="folder of a trained classifier (weights.safetensors, options.json); none: train one",
     )
     train: int = Field(default=64, ge=2, description="training clouds per category")
     holdout: int = Field(
@@ -28,7 +28,7 @@ class ExtractorOptions(Options):
     decay: float = Field(default=0.7, gt=0, le=1, description="factor of such a reduction")
     rotate: bool = Field(
         default=False,
-        description="turn training clouds about the vertical axis at random; no: shapes keep their canonical yaw",
+        description="turn training clouds about the vertical axis at random; no: shapes keep their yaw",
     )
     noise_samples: int = Field(
         default=96, ge=8, description="clouds on each side of the noise curve (noise.csv)"
