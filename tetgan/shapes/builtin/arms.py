@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from tetgan.shapes.builtin.draws import between, chance
 from tetgan.shapes.builtin.parts import SQUARE, Part, bar, panel, rounded_box, sweep, tube, with_mirror
@@ -10,7 +11,11 @@ from tetgan.shapes.builtin.parts import SQUARE, Part, bar, panel, rounded_box, s
 
 @dataclass(frozen=True)
 class ArmRoom:
-    """Where an arm fits, in metres: plane x of its middle, seat top, height of the arm, back and front in z."""
+    """Where an arm fits, in metres.
+
+    `x` is the plane of its middle, `seat` the top of the seat, `height` that of the arm from the floor; `back` and
+    `front` are its ends in z, and `rear` is x where it meets the back if that is narrower than the seat.
+    """
 
     x: float
     seat: float
@@ -18,23 +23,24 @@ class ArmRoom:
     back: float
     front: float
     thickness: float
+    rear: float | None = None
+
+    def across(self, s: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N"]:
+        """x along the arm, from the back (s = 0) to the front (s = 1)."""
+        rear = self.x if self.rear is None else self.rear
+        return self.x + (rear - self.x) * (1 - s) ** 2
 
 
 def post_arms(rng: np.random.Generator, room: ArmRoom) -> list[Part]:
     """A rail from the back to a front post, flat, round or padded."""
     front = room.front - between(rng, 0.02, 0.1)
-    out = between(rng, 0.0, 0.05)
-    s = np.linspace(0, 1, 7)
-    drop = between(rng, -0.02, 0.05) * s**2
-    rail = np.stack(
-        [room.x + out * np.sin(np.pi * s), room.height - drop, room.back + (front - room.back) * s], 1
-    )
-    width = room.thickness * between(rng, 0.9, 1.7)
-    section = np.array([room.thickness * 0.45, width / 2])
-    post = bar(
-        (room.x, room.seat - 0.05, front - 0.02), (room.x, room.height, front - 0.02), room.thickness * 0.9
-    )
-    parts = [sweep(rail, SQUARE * section[::-1], up=(0, 1, 0)), post]
+    s = np.linspace(0, 1, 9)
+    x = room.across(s) + between(rng, 0.0, 0.05) * np.sin(np.pi * s)
+    y = room.height - between(rng, -0.02, 0.05) * s**2
+    rail = np.stack([x, y, room.back + (front - room.back) * s], axis=1)
+    flat = room.thickness / 2 * np.array([between(rng, 0.9, 1.7), 0.9])
+    post = [(room.x, room.seat - 0.05, front - 0.02), (room.x, room.height, front - 0.02)]
+    parts = [sweep(rail, SQUARE * flat, up=(0, 1, 0)), tube(post, room.thickness * 0.9)]
     if chance(rng, 0.3):
         parts.append(_pad(room, front))
     return with_mirror(parts)
@@ -42,35 +48,25 @@ def post_arms(rng: np.random.Generator, room: ArmRoom) -> list[Part]:
 
 def loop_arms(rng: np.random.Generator, room: ArmRoom) -> list[Part]:
     """A bent tube from the side of the seat, up, and into the back."""
-    t = np.linspace(0, np.pi / 2, 9)
+    t = np.linspace(0, np.pi / 2, 11)
     power = between(rng, 0.5, 0.9)
     y = room.seat - 0.04 + (room.height - room.seat + 0.04) * np.sin(t) ** power
     z = room.back + (room.front - 0.05 - room.back) * np.cos(t) ** power
-    return with_mirror([tube(np.stack([np.full(9, room.x), y, z], 1), room.thickness * 0.9, up=(1, 0, 0))])
+    path = np.stack([room.across(np.cos(t) ** power), y, z], axis=1)
+    return with_mirror([tube(path, room.thickness * 0.9, up=(1, 0, 0))])
 
 
 def pad_arms(rng: np.random.Generator, room: ArmRoom) -> list[Part]:
     """Office arms: one post in the middle with a pad on top."""
+    thick, low = room.thickness, room.seat - 0.07
     z = (room.back + room.front) / 2 + between(rng, -0.03, 0.05)
-    lean = between(rng, -0.05, 0.05)
-    x = room.x + room.thickness * 0.5
-    post = bar(
-        (x, room.seat - 0.07, z + lean),
-        (x, room.height, z),
-        room.thickness * np.array([0.8, 1.3]),
-        square=True,
-    )
-    foot = bar(
-        (x, room.seat - 0.07, z + lean),
-        (x - 0.12, room.seat - 0.07, z + lean),
-        room.thickness * 0.8,
-        square=True,
-    )
+    foot = z + between(rng, -0.05, 0.05)
+    x = room.x + thick * 0.5
+    post = bar((x, low, foot), (x, room.height, z), thick * np.array([0.8, 1.3]), square=True)
+    link = bar((x, low, foot), (x - 0.12, low, foot), thick * 0.8, square=True)
     length = (room.front - room.back) * between(rng, 0.5, 0.7)
-    pad = rounded_box(
-        (room.thickness * 1.8, room.thickness * 0.9, length), (x, room.height, z), room.thickness * 0.4
-    )
-    return with_mirror([post, foot, pad])
+    pad = rounded_box((thick * 1.8, thick * 0.9, length), (x, room.height, z), thick * 0.4)
+    return with_mirror([post, link, pad])
 
 
 def wall_arms(rng: np.random.Generator, room: ArmRoom) -> list[Part]:

@@ -8,7 +8,7 @@ from jaxtyping import Float
 from numpy.typing import ArrayLike
 
 from tetgan.shapes.builtin.draws import between, chance, pick, whole
-from tetgan.shapes.builtin.parts import SQUARE, Part, ellipse, panel, sheet, sweep, tube
+from tetgan.shapes.builtin.parts import SQUARE, Part, ellipse, loft, panel, sheet, sweep, tube
 
 OVERLAP = 0.03  # metres a back reaches below the top of its seat
 
@@ -62,28 +62,31 @@ Back = Callable[[np.random.Generator, BackPlane, float], list[Part]]
 
 
 def solid_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:
-    """One board; straight, arched, waisted or round-shouldered top."""
+    """One board; straight, arched, round-shouldered or dipped top."""
     u = np.linspace(-1, 1, 13)
-    crown = pick(rng, {"straight": 3, "arch": 3, "shoulders": 2, "dip": 1})
-    high = {"straight": np.ones(13), "arch": 1 - between(rng, 0.1, 0.35) * u**2}.get(
-        crown, 1 - 0.45 * np.abs(u) ** 5 if crown == "shoulders" else 0.85 + 0.15 * u**2
-    )
-    low = plane.overlap if chance(rng, 0.75) else between(rng, 0.15, 0.35)
-    parts = [panel(plane.grid(u, low, high), thickness)]
-    return parts + (
-        _posts(rng, plane, thickness, u=0.75, top=float(np.mean(low)) + 0.15) if np.max(low) > 0 else []
-    )
+    crowns = {
+        "straight": np.ones(13),
+        "arched": 1 - between(rng, 0.1, 0.35) * u**2,
+        "shouldered": 1 - 0.45 * np.abs(u) ** 5,
+        "dipped": 0.85 + 0.15 * u**2,
+    }
+    high = crowns[pick(rng, {"straight": 3, "arched": 3, "shouldered": 2, "dipped": 1})]
+    if chance(rng, 0.75):
+        return [panel(plane.grid(u, plane.overlap, high), thickness)]
+    low = between(rng, 0.15, 0.35)
+    return [
+        panel(plane.grid(u, low, high), thickness),
+        *_posts(rng, plane, thickness, u=0.75, top=low + 0.15),
+    ]
 
 
 def padded_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:
     """Board with an upholstered pad that swells towards the sitter."""
-    u, t = np.linspace(-1, 1, 11), np.linspace(0, 1, 9)
-    low = between(rng, 0.05, 0.2)
-    board = plane.grid(u, plane.overlap, 0.97)
-    pad = plane.grid(u * 0.92, low, 0.99)
-    swell = thickness * between(rng, 0.5, 1.0) * (1 - u**6)[:, None] * (1 - (2 * t - 1) ** 6)
-    pad[..., 2] += swell
-    return [panel(board, thickness * 0.7), panel(pad, thickness)]
+    u, t = np.linspace(-1, 1, 13), np.linspace(0, 1, 9)
+    low, narrow = between(rng, 0.03, 0.2), between(rng, 0.86, 0.97)
+    pad = plane.grid(u * narrow, low, 0.99)
+    pad[..., 2] += thickness * (0.25 + between(rng, 0.4, 0.9) * (1 - u**4)[:, None] * (1 - (2 * t - 1) ** 4))
+    return [panel(plane.grid(u, plane.overlap, 0.97), thickness * 0.7), panel(pad, thickness)]
 
 
 def slatted_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:
@@ -131,7 +134,7 @@ def open_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> l
             *_posts(rng, plane, thickness),
             _rail(plane, 0.93, thickness * between(rng, 1.2, 3.5), thickness),
         ]
-    s, u = _arch(between(rng, 0.3, 0.8))
+    s, u = _arch(between(rng, 0.2, 0.55))
     parts = [tube(plane.point(u, plane.overlap + s * (1 - plane.overlap)), thickness)]
     return [*parts, _rail(plane, between(rng, 0.3, 0.6), thickness * 0.9)] if chance(rng, 0.4) else parts
 
@@ -170,29 +173,27 @@ def splat_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> 
 
 def hoop_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:
     """Bent hoop filled with spindles, as on a Windsor chair."""
-    power = between(rng, 0.45, 0.75)
+    power = between(rng, 0.3, 0.6)
     s, u = _arch(power)
     parts = [tube(plane.point(u, plane.overlap + s * (1 - plane.overlap)), thickness * 0.85)]
     count = whole(rng, 4, 7)
     for place in np.linspace(-0.75, 0.75, count):
-        top = (1 - abs(place) ** (1 / power)) ** power if power > 0 else 1.0
+        top = (1 - abs(place) ** (1 / power)) ** power
         line = np.linspace(plane.overlap, min(top, 0.97), 4)
         parts.append(tube(plane.point(place * np.linspace(0.85, 1.0, 4), line), thickness * 0.45))
     return parts
 
 
 def medallion_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:
-    """Oval or rounded frame on two short posts, with a pad or a sheet inside."""
+    """Oval or rounded frame on two short posts, with a pad inside."""
     angle = np.linspace(0, 2 * np.pi, 25)
     low, exponent = between(rng, 0.15, 0.3), pick(rng, {2.0: 3, 3.5: 1})
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     unit = np.sign(circle) * np.abs(circle) ** (2 / exponent)
     middle, half = (1 + low) / 2, (1 - low) / 2
     ring = plane.point(unit[:, 0] * 0.95, middle + half * unit[:, 1])
-    radius = np.linspace(0.02, 0.97, 5)
-    disc = plane.point(radius[:, None] * unit[:, 0] * 0.95, middle + half * radius[:, None] * unit[:, 1])
-    filling = sheet(disc) if chance(rng, 0.25) else panel(disc, thickness * 0.7)
-    return [tube(ring, thickness), filling, *_posts(rng, plane, thickness, u=0.5, top=low + 0.12)]
+    pad = loft(ring[None, :-1] + thickness * np.array([[[0, 0, -0.35]], [[0, 0, 0.35]]]))
+    return [tube(ring, thickness), pad, *_posts(rng, plane, thickness, u=0.5, top=low + 0.12)]
 
 
 def lattice_back(rng: np.random.Generator, plane: BackPlane, thickness: float) -> list[Part]:

@@ -87,11 +87,11 @@ def turned_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
 
 def curved_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
     """Four sabre or cabriole legs."""
-    s = np.linspace(0, 1, 7)
+    s = np.linspace(0, 1, 11)
     sabre = chance(rng, 0.5)
     reach = between(rng, 0.04, 0.09)
     bend = reach * s**2 if sabre else reach * (np.sin(2.2 * np.pi * s) * 0.6 * (1 - s) + 0.5 * s**4)
-    scale = foot.thickness * np.linspace(1.15, between(rng, 0.55, 0.75), 7)
+    scale = foot.thickness * np.linspace(1.15, between(rng, 0.55, 0.75), 11)
     parts = []
     for x, z in foot.corners(0.7):
         path = np.stack(
@@ -272,6 +272,13 @@ def plinth(rng: np.random.Generator, foot: Footprint) -> list[Part]:
         box((foot.width, height - 0.06, foot.depth), (0, 0.06 + (height - 0.06) / 2, 0)),
         box((foot.width - 2 * recess, 0.08, foot.depth - 2 * recess), (0, 0.04, 0)),
     ]
+
+
+def drum(rng: np.random.Generator, foot: Footprint) -> list[Part]:
+    """A round block, straight or tapered."""
+    low = between(rng, 0.8, 1.0)
+    radius = min(foot.width, foot.depth) / 2
+    return [lathe([(radius * low, 0.0), (radius, foot.height + OVERLAP)])]
 
 
 def crossed_legs(rng: np.random.Generator, foot: Footprint) -> list[Part]:
