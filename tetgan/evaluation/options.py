@@ -1,6 +1,6 @@
 """What is measured on generated and reconstructed surfaces, and how finely."""
 
-from typing import Literal, Self
+from typing import Literal
 
 from pydantic import Field, model_validator
 
@@ -24,7 +24,7 @@ class VarietyOptions(Options):
     )
 
     @model_validator(mode="after")
-    def _enough_pairs(self) -> Self:
+    def _enough_pairs(self) -> "VarietyOptions":
         drawn = self.pairs if self.definition == "text" else self.pairs * (self.pairs - 1) // 2
         if self.closest > drawn:
             raise ValueError(f"closest ({self.closest}) exceeds the {drawn} pairs of a draw")
