@@ -24,6 +24,7 @@ class FolderSource(Options):
     limit: int | None = Field(
         None, ge=2, description="use at most this many shapes, the same draw every time"
     )
+    up: Literal["y", "z"] = Field("y", description="the axis that points up in the files")
 
 
 class DirectorySource(FolderSource):
@@ -55,6 +56,7 @@ class ModelNetSource(FolderSource):
     """ModelNet10 or ModelNet40: <category>/{train,test}/*.off with the official split."""
 
     kind: Literal["modelnet"]
+    up: Literal["y", "z"] = Field("z", description="the axis that points up in the files")
 
 
 class SweetHome3DSource(FolderSource):
@@ -79,15 +81,18 @@ class RepairOptions(Options):
     )
     resolution: int = Field(20_000, ge=1_000, le=1_000_000, description="manifold: leaves of the octree")
     alpha: float = Field(
-        0.02, gt=0, le=0.5, description="alpha_wrap: smallest opening entered, fraction of the longest side"
+        0.03, gt=0, le=0.5, description="alpha_wrap: smallest opening entered, fraction of the longest side"
     )
     offset: float = Field(
-        0.002, gt=0, le=0.1, description="alpha_wrap: outward offset, fraction of the longest side"
+        0.001, gt=0, le=0.1, description="alpha_wrap: outward offset, fraction of the longest side"
     )
     simplify_faces: int | None = Field(
         None, ge=100, description="quadric decimation of the result to this many faces"
     )
     fill_hollow: bool = Field(True, description="fill insides that open sheets left hollow")
+    sheet_thickness: float = Field(
+        0.01, gt=0, le=0.1, description="walls thinner than this fraction of the longest side are sheets"
+    )
     timeout_seconds: float = Field(60.0, gt=0, description="a mesh that takes longer is rejected")
 
 

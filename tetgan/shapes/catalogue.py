@@ -1,0 +1,44 @@
+"""The register of a category: one row a listed shape, whatever became of it."""
+
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from tetgan.errors import UserError
+from tetgan.files import whole_file
+from tetgan.shapes.archive import read_records, read_table
+from tetgan.shapes.entries import ShapeEntry
+from tetgan.shapes.options import SplitOptions
+from tetgan.shapes.splits import assign_splits
+
+
+def gather_catalogue(shards: Sequence[Path], split: SplitOptions, out: Path) -> None:
+    """Join the records of all shards, sorted by id, and fill in the split.
+
+    Raises:
+        UserError: two shards hold the same shape, or no shape of a category could be repaired.
+    """
+    table = pd.concat([read_records(path) for path in shards], ignore_index=True).sort_values("id")
+    repeated = table["id"][table["id"].duplicated()]
+    if len(repeated):
+        raise UserError(
+            f"{out}: shape '{repeated.iloc[0]}' stands in two shards; were they made with one config?"
+        )
+    if not table["status"].isin(["ok", "filled"]).any():
+        reasons = Counter(table["reason"][table["status"] == "rejected"]).most_common(1)
+        raise UserError(f"{out}: no shape could be repaired; the commonest reason is '{reasons[0][0]}'")
+    columns = (table[name].tolist() for name in ("id", "path", "split"))
+    entries = [ShapeEntry(shape_id, path, own or None) for shape_id, path, own in zip(*columns, strict=True)]
+    table["split"] = table["id"].map(assign_splits(entries, split))
+    with whole_file(out) as partial:
+        table.to_csv(partial, index=False)
+
+
+def read_catalogue(path: Path) -> pd.DataFrame:
+    """Columns id, path, sha256, split, status, reason as text, then numbers, empty where there is none.
+
+    `status` is ok, filled (an inside was hollow), rejected (see reason) or surface (hold-out, not repaired).
+    """
+    return read_table(path)

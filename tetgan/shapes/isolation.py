@@ -1,0 +1,89 @@
+"""A child process that may crash or hang, and is replaced when it does."""
+
+import contextlib
+import os
+import select
+import subprocess
+import sys
+from collections.abc import Sequence
+from types import TracebackType
+from typing import Self
+
+from tetgan.shapes.messages import read_message, write_message
+from tetgan.shapes.options import RepairOptions
+from tetgan.shapes.soup import ShapeError, Soup
+
+
+class RepairWorker:
+    """Turns soups into solids in a child process, which lives on from mesh to mesh.
+
+    Starting the child costs more than most repairs, so it is kept, and killed only when a mesh crashes it or
+    takes longer than `options.timeout_seconds`; the next mesh gets a new one. Use as a context manager.
+
+    `program` is for tests; by default it is `tetgan.shapes.repair_worker`.
+    """
+
+    def __init__(self, options: RepairOptions, program: Sequence[str] | None = None) -> None:
+        default = (sys.executable, "-m", "tetgan.shapes.repair_worker", options.model_dump_json())
+        self._program = tuple(program or default)
+        self._timeout = options.timeout_seconds
+        self._process: subprocess.Popen[bytes] | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the child."""
+        if self._process is None:
+            return
+        process, self._process = self._process, None
+        process.kill()
+        for stream in (process.stdin, process.stdout):
+            assert stream is not None
+            with contextlib.suppress(BrokenPipeError):  # a request that the dead child never read
+                stream.close()
+        process.wait()
+
+    def repair(self, soup: Soup) -> Soup:
+        """One mesh through the child.
+
+        Raises:
+            ShapeError: the child raised, crashed, or took too long.
+        """
+        process = self._running()
+        assert process.stdin is not None and process.stdout is not None
+        try:
+            write_message(process.stdin, {"vertices": soup.vertices, "faces": soup.faces})
+        except BrokenPipeError:
+            raise ShapeError(self._obituary()) from None
+        ready, _, _ = select.select([process.stdout], [], [], self._timeout)
+        if not ready:
+            self.close()
+            raise ShapeError(f"repair took longer than {self._timeout:g} s")
+        answer = read_message(process.stdout)
+        if answer is None:
+            raise ShapeError(self._obituary())
+        if "error" in answer:
+            raise ShapeError(f"repair failed: {answer['error']}")
+        return Soup(answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 3))
+
+    def _running(self) -> subprocess.Popen[bytes]:
+        if self._process is None:
+            # Shards are the unit of parallel work, so a child keeps to one core.
+            threads = dict.fromkeys(("OMP_NUM_THREADS", "TBB_NUM_THREADS"), "1")
+            self._process = subprocess.Popen(
+                self._program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | threads
+            )
+        return self._process
+
+    def _obituary(self) -> str:
+        """Why the child ended, once its pipe has closed."""
+        process = self._process
+        self.close()
+        code = process.returncode if process else None
+        return f"repair crashed (exit status {code})"

@@ -1,0 +1,105 @@
+"""A triangle soup to a watertight solid: clean, wrap, fill what came out hollow, check."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tetgan.shapes.hollow import find_hollow
+from tetgan.shapes.isolation import RepairWorker
+from tetgan.shapes.normalise import normalise
+from tetgan.shapes.options import RepairOptions
+from tetgan.shapes.sampling import sample_exterior
+from tetgan.shapes.soup import ShapeError, Soup, clean_soup
+
+_DISTANCE_POINTS = 2000
+
+
+@dataclass(frozen=True, eq=False)
+class Repaired:
+    """A watertight solid in the unit cube, as DESIGN's normalised surface without its margin.
+
+    Attributes:
+        solid: closed, oriented outward.
+        volume: of the solid.
+        filled_share: how much of that volume was hollow before; 0 for nearly every shape.
+        hollow: an inside is still hollow.
+        distance: mean from what can be seen of the raw surface to the solid.
+    """
+
+    solid: Soup
+    volume: float
+    filled_share: float
+    hollow: bool
+    distance: float
+
+
+def repair_shape(soup: Soup, worker: RepairWorker, options: RepairOptions) -> Repaired:
+    """Repair one raw shape; lengths are in units of its longest side.
+
+    Raises:
+        ShapeError: it cannot be used, or what comes back from the repair is not a solid.
+    """
+    raw = clean_soup(soup)
+    raw = Soup(normalise(raw.vertices, margin=0.0), raw.faces)
+    solid = worker.repair(raw)
+    volume = check_solid(solid)
+    filled_share = 0.0
+    plug = find_hollow(solid, options.sheet_thickness)
+    if plug is not None and options.fill_hollow:
+        solid = worker.repair(_join(raw, plug))
+        hollow_volume, volume = volume, check_solid(solid)
+        filled_share = 1 - hollow_volume / volume
+        plug = find_hollow(solid, options.sheet_thickness)
+    if options.simplify_faces is not None:
+        solid = _simplify(solid, options.simplify_faces)
+        volume = check_solid(solid)
+    return Repaired(solid, volume, filled_share, plug is not None, surface_distance(raw, solid))
+
+
+def check_solid(solid: Soup) -> float:
+    """Volume of a mesh that is finite, closed, consistently oriented outward and not empty.
+
+    Raises:
+        ShapeError: it is not.
+    """
+    import trimesh  # noqa: PLC0415  half a second
+
+    if not len(solid.faces) or not np.isfinite(solid.vertices).all():
+        raise ShapeError("repair left no finite surface")
+    mesh = trimesh.Trimesh(solid.vertices, solid.faces, process=False)
+    if not (mesh.is_watertight and mesh.is_winding_consistent):
+        raise ShapeError("not watertight after repair")
+    if not mesh.volume > 0:
+        raise ShapeError("no volume after repair")
+    return float(mesh.volume)
+
+
+def surface_distance(raw: Soup, solid: Soup) -> float:
+    """Mean distance to the solid from points spread over what can be seen of the raw surface."""
+    import igl  # noqa: PLC0415
+
+    try:
+        points, _ = sample_exterior(raw.vertices, raw.faces, _DISTANCE_POINTS, seed=0)
+    except ValueError as error:
+        raise ShapeError(str(error)) from None
+    squared, _, _ = igl.point_mesh_squared_distance(points, solid.vertices, solid.faces)
+    return float(np.sqrt(squared).mean())
+
+
+def _join(first: Soup, second: Soup) -> Soup:
+    return Soup(
+        np.concatenate([first.vertices, second.vertices]),
+        np.concatenate([first.faces, second.faces + len(first.vertices)]),
+    )
+
+
+def _simplify(solid: Soup, faces: int) -> Soup:
+    """Quadric decimation to a number of faces."""
+    import fast_simplification  # noqa: PLC0415
+
+    if len(solid.faces) <= faces:
+        return solid
+    vertices, kept = fast_simplification.simplify(
+        solid.vertices.astype(np.float32), solid.faces.astype(np.int32), target_count=faces
+    )
+    return Soup(vertices.astype(np.float64), kept.astype(np.int64))

@@ -1,0 +1,74 @@
+"""The child process of repair: the only place that imports the two C++ repair libraries.
+
+Run as `python -m tetgan.shapes.repair_worker OPTIONS_JSON`; soups arrive on stdin, solids leave on stdout.
+A crash or a hang of a library ends this process and nothing else. pymeshlab is GPL-3: it stays behind this
+pipe.
+"""
+
+import os
+import resource
+import sys
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from tetgan.shapes.messages import read_message, write_message
+from tetgan.shapes.options import RepairOptions
+
+Arrays = tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]
+_MEMORY_BYTES = 6 * 2**30  # address space; the libraries need well below 1 GiB on sane shapes
+
+
+def manifold(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], options: RepairOptions
+) -> Arrays:
+    """Octree, then its outer boundary projected back to the input (Huang, Su & Guibas 2018)."""
+    import point_cloud_utils as pcu  # noqa: PLC0415
+
+    return pcu.make_mesh_watertight(vertices, faces, options.resolution)
+
+
+def alpha_wrap(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], options: RepairOptions
+) -> Arrays:
+    """Shrink-wrap that enters no opening narrower than alpha (Portaneri et al. 2022)."""
+    import pymeshlab  # noqa: PLC0415
+
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
+    meshes.generate_alpha_wrap(
+        alpha=pymeshlab.PureValue(options.alpha), offset=pymeshlab.PureValue(options.offset)
+    )
+    wrapped = meshes.current_mesh()
+    return wrapped.vertex_matrix(), wrapped.face_matrix()
+
+
+METHODS = {"manifold": manifold, "alpha_wrap": alpha_wrap}
+
+
+def serve(repair: Callable[[np.ndarray, np.ndarray], Arrays]) -> None:
+    """Answer requests until stdin closes; an exception becomes an answer with its text."""
+    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY_BYTES, _MEMORY_BYTES))
+    # The libraries print to stdout, which belongs to the answers: theirs goes to stderr.
+    answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    while (request := read_message(sys.stdin.buffer)) is not None:
+        try:
+            vertices, faces = repair(request["vertices"], request["faces"])
+        except Exception as error:
+            write_message(answers, {"error": np.array(f"{type(error).__name__}: {error}")})
+        else:
+            write_message(
+                answers, {"vertices": np.asarray(vertices, float), "faces": np.asarray(faces, np.int64)}
+            )
+
+
+def main() -> None:
+    """Serve the method that the options on the command line name."""
+    options = RepairOptions.model_validate_json(sys.argv[1])
+    serve(lambda vertices, faces: METHODS[options.method](vertices, faces, options))
+
+
+if __name__ == "__main__":
+    main()
