@@ -92,9 +92,9 @@ def repair(
         category,
         _options(SourceOptions, source, "--source"),
         _options(RepairOptions, options, "--options"),
-        margin,
-        shard,
-        out,
+        margin=margin,
+        shard=shard,
+        out=out,
     )
 
 
@@ -158,7 +158,7 @@ def fields(
     """
     os.environ["IGL_NUM_THREADS"] = str(
         threads
-    )  # read when libigl is imported; it takes every core otherwise
+    )  # read when libigl loads; else every core
     from tetgan.fields.shards import extract_shard
     from tetgan.grids.options import GridOptions
 
@@ -252,7 +252,7 @@ def sample(
 
     chosen = _options(MeshingOptions, options, "--options").model_copy(update={"mode": mode})
     with whole_folder(folder) as partial:
-        write_samples(model, index, partial, count, chosen, seed)
+        write_samples(model, index, partial, count=count, options=chosen, seed=seed)
 
 
 @app.command()
@@ -276,13 +276,13 @@ def metrics(
     _use_threads(threads)
     evaluate_model(
         samples,
-        meshes,
-        clouds,
-        extractor,
-        _options(EvaluationOptions, options, "--options"),
-        _plain(identity, "--identity"),
-        out,
-        threads,
+        meshes=meshes,
+        clouds=clouds,
+        extractor=extractor,
+        options=_options(EvaluationOptions, options, "--options"),
+        identity=_plain(identity, "--identity"),
+        out=out,
+        threads=threads,
     )
 
 
@@ -308,13 +308,13 @@ def floor(
     _use_threads(threads)
     evaluate_real(
         meshes,
-        catalogue,
-        clouds,
-        extractor,
-        _options(EvaluationOptions, options, "--options"),
-        category,
-        out,
-        threads,
+        catalogue=catalogue,
+        clouds=clouds,
+        extractor=extractor,
+        options=_options(EvaluationOptions, options, "--options"),
+        category=category,
+        out=out,
+        threads=threads,
     )
 
 

@@ -25,7 +25,7 @@ Row = tuple[str, Field, dict[str, Any]]
 
 
 def write_samples(
-    model: Path, index: Path, folder: Path, count: int, options: MeshingOptions, seed: int
+    model: Path, index: Path, folder: Path, *, count: int, options: MeshingOptions, seed: int
 ) -> None:
     """Generate `count` shapes and reconstruct the validation shapes, with and without smoothing.
 

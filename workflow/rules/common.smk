@@ -30,12 +30,10 @@ def stage_digest(*rooms):
     digest = hashlib.sha256()
     for room in rooms:
         found = package / room
-        for module in (
-            sorted(found.rglob("*.py")) if found.is_dir() else [package / f"{room}.py"]
-        ):
-            digest.update(
-                module.relative_to(package).as_posix().encode() + module.read_bytes()
-            )
+        sources = sorted(found.rglob("*.py")) or [found.with_suffix(".py")]
+        for source in sources:
+            name = source.relative_to(package).as_posix()
+            digest.update(name.encode() + source.read_bytes())
     return digest.hexdigest()[:12]
 
 

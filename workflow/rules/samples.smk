@@ -23,9 +23,9 @@ rule sample_model:
         mem_mb=3000,
     params:
         model=subpath(input.weights, parent=True),
-        count=config["sampling"]["count"],
+        shapes=config["sampling"]["count"],
         meshing=section("meshing"),
         code=stage_digest("meshing", "nn", "models"),
     shell:
-        "tetgan sample {params.model:q} {input.index:q} {output.samples:q} --count {params.count}"
+        "tetgan sample {params.model:q} {input.index:q} {output.samples:q} --count {params.shapes}"
         " --mode {wildcards.mode} --options {params.meshing:q} --seed {wildcards.seed} >{log:q} 2>&1"
