@@ -183,8 +183,8 @@ def _open_sky(
         here = np.flatnonzero(subpixel == group)
         from_here, normals_here = starts[here], normals[here].astype(np.float32)
         for direction in _SPHERE[group :: _SUPERSAMPLES**2]:
-            # A uniform point of the sphere plus the normal is cosine-weighted about the normal. Its length, up to
-            # two, scales the reach: what lies straight ahead darkens from further away.
+            # A uniform point of the sphere plus the normal is cosine-weighted about the normal. Its length,
+            # up to two, scales the reach: what lies straight ahead darkens from further away.
             rays = normals_here + 0.999 * direction
             free[here] += ~_blocked(scene, from_here, rays, reach=_SKY_REACH / 2)
     return free / _SKY_RAYS

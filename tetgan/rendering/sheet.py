@@ -30,8 +30,9 @@ def contact_sheet(
     """
     _check(images, columns, titles, row_titles)
     height, width = images[0].shape[:2]
-    font = ImageFont.load_default(size=max(10, height // 18))
-    line = round(font.size * 1.5) if titles else 0
+    letters = max(10, height // 18)
+    font = ImageFont.load_default(size=letters)
+    line = round(letters * 1.5) if titles else 0
     left = _text_width(row_titles, font) if row_titles else 0
     rows = math.ceil(len(images) / columns)
     page = Image.new("RGB", (left + columns * width, rows * (height + line)), "white")
@@ -42,7 +43,7 @@ def contact_sheet(
         if titles:
             draw.text((x + width / 2, y + height + line / 2), titles[number], _INK, font, anchor="mm")
     for row, title in enumerate(row_titles or ()):
-        draw.multiline_text((font.size / 2, (row + 0.5) * (height + line)), title, _INK, font, anchor="lm")
+        draw.multiline_text((letters / 2, (row + 0.5) * (height + line)), title, _INK, font, anchor="lm")
     return np.asarray(page).copy()
 
 

@@ -13,8 +13,8 @@ from tetgan.shapes.builtin.parts import SQUARE, Part, bar, panel, rounded_box, s
 class ArmRoom:
     """Where an arm fits, in metres.
 
-    `x` is the plane of its middle, `seat` the top of the seat, `height` that of the arm from the floor; `back` and
-    `front` are its ends in z, and `rear` is x where it meets the back if that is narrower than the seat.
+    `x` is the plane of its middle, `seat` and `height` the tops of the seat and of the arm, `back` and
+    `front` its ends in z, and `rear` is x where it meets the back if that is narrower than the seat.
     """
 
     x: float

@@ -6,7 +6,7 @@ import numpy as np
 
 from tetgan.shapes.builtin import arms, backs, supports
 from tetgan.shapes.builtin import easy_chairs as easy
-from tetgan.shapes.builtin.draws import between, chance, pick, whole
+from tetgan.shapes.builtin.draws import between, chance, pick, pick_from, whole
 from tetgan.shapes.builtin.parts import Part, box, outline, panel, rounded_box, slab, with_mirror
 
 BACKS: dict[str, tuple[backs.Back, float]] = {
@@ -52,8 +52,8 @@ ARMS = {
 class Frame:
     """Main sizes of a chair in metres; `seat` is the height of the seat's top.
 
-    The seat's plan is a superellipse of `exponent`, None for a rectangle, whose rear is `taper` as wide as its
-    front.
+    The seat's plan is a superellipse of `exponent` (None: a rectangle), at the rear `taper` as wide as at
+    the front.
     """
 
     width: float
@@ -73,14 +73,16 @@ class Frame:
 
 def make_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
     """One chair and its structural kind."""
-    forms = {
-        easy.shell_chair: 9,
+    kinds = {
+        _composed: 70,
+        _bar_chair: 3,
+        easy.shell_chair: 8,
         easy.club_chair: 8,
         easy.tub_chair: 4,
         easy.plank_chair: 3,
         easy.reclined_chair: 3,
     }
-    return pick(rng, {_composed: 70, _bar_chair: 3, **forms})(rng)
+    return pick(rng, kinds)(rng)
 
 
 def _frame(rng: np.random.Generator) -> Frame:
@@ -100,8 +102,8 @@ def _frame(rng: np.random.Generator) -> Frame:
 
 def _composed(rng: np.random.Generator) -> tuple[list[Part], str]:
     frame = _frame(rng)
-    support = pick(rng, {name: weight for name, (_, weight) in SUPPORTS.items()})
-    back = pick(rng, {name: weight for name, (_, weight) in BACKS.items()})
+    support, _ = pick_from(rng, SUPPORTS)
+    back, _ = pick_from(rng, BACKS)
     if support == "star-pedestal" and chance(rng, 0.7):
         back = pick(rng, {"padded": 3, "solid": 1, "floating": 1})
     arm = _pick_arms(rng, support)

@@ -6,6 +6,7 @@ from typing import TypeVar
 import numpy as np
 
 Choice = TypeVar("Choice")
+Thing = TypeVar("Thing")
 
 
 def chance(rng: np.random.Generator, probability: float) -> bool:
@@ -26,3 +27,9 @@ def pick(rng: np.random.Generator, weights: Mapping[Choice, float]) -> Choice:
     choices = list(weights)
     shares = np.array([weights[choice] for choice in choices], dtype=float)
     return choices[int(np.searchsorted(np.cumsum(shares) / shares.sum(), rng.random(), side="right"))]
+
+
+def pick_from(rng: np.random.Generator, table: Mapping[str, tuple[Thing, float]]) -> tuple[str, Thing]:
+    """One entry of a table of name: (thing, weight)."""
+    name = pick(rng, {name: weight for name, (_, weight) in table.items()})
+    return name, table[name][0]

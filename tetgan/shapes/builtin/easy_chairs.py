@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from tetgan.shapes.builtin import arms, backs, supports
 from tetgan.shapes.builtin import upholstery as soft
-from tetgan.shapes.builtin.draws import between, chance, pick, whole
+from tetgan.shapes.builtin.draws import between, chance, pick, pick_from, whole
 from tetgan.shapes.builtin.parts import Part, bar, box, outline, panel, rounded_box, sheet, slab, with_mirror
 from tetgan.shapes.builtin.upholstery import Settee
 
@@ -54,11 +54,14 @@ def shell_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
     )
     grid = _shell_surface(sizes)
     shell = sheet(grid) if chance(rng, 0.12) else panel(grid, between(rng, 0.022, 0.045))
-    support = pick(rng, {name: weight for name, (_, weight) in _SHELL_SUPPORTS.items()})
+    support, make_support = pick_from(rng, _SHELL_SUPPORTS)
     foot = supports.Footprint(width * 0.8, sizes.depth * 0.8, sizes.seat - 0.02, between(rng, 0.035, 0.06))
     plate = box((foot.width, 0.03, foot.depth), (0, sizes.seat - 0.015, 0))
-    base = _SHELL_SUPPORTS[support][0](rng, foot)
-    return [shell, plate, *base], f"shell/{support}/{'wings' if sizes.wings else 'no-arms'}"
+    return [
+        shell,
+        plate,
+        *make_support(rng, foot),
+    ], f"shell/{support}/{'wings' if sizes.wings else 'no-arms'}"
 
 
 def _shell_surface(sizes: ShellSizes) -> Float[np.ndarray, "N M 3"]:

@@ -1,4 +1,4 @@
-"""Damage found in downloaded meshes, drawn from its own random stream so that geometry never depends on it."""
+"""Damage found in downloaded meshes, drawn from a random stream of its own: geometry never depends on it."""
 
 import numpy as np
 

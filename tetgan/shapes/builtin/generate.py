@@ -31,7 +31,7 @@ CATEGORIES = tuple(MAKERS)
 
 @dataclass(frozen=True, eq=False)
 class BuiltinShape:
-    """A triangle soup: vertices (V, 3), faces (F, 3), and its structural kind, such as slatted/sled/no-arms."""
+    """A triangle soup, vertices (V, 3) and faces (F, 3), and its structural kind, as slatted/sled/no-arms."""
 
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]

@@ -31,6 +31,13 @@ class Part:
         pivot = np.asarray(about, dtype=float)
         return Part((self.vertices - pivot) @ _rotation(axis, degrees).T + pivot, self.faces)
 
+    def twisted(self, degrees: float) -> "Part":
+        """Turned about the y axis by an angle that grows with height, `degrees` a metre."""
+        angle = np.radians(degrees) * self.vertices[:, 1]
+        cosine, sine = np.cos(angle), np.sin(angle)
+        x, y, z = self.vertices.T
+        return Part(np.stack([x * cosine + z * sine, y, z * cosine - x * sine], axis=1), self.faces)
+
     def mirrored(self) -> "Part":
         """Reflected in the plane x = 0, still wound outwards."""
         return Part(self.vertices * np.array([-1.0, 1.0, 1.0]), self.faces[:, ::-1])
@@ -92,7 +99,7 @@ def loft(
     faces = [np.stack([here, turn, ahead_turn], axis=1), np.stack([here, ahead_turn, ahead], axis=1)]
     for wanted, ring, flip in ((cap_start, 0, True), (cap_end, count - 1, False)):
         if wanted and not looped:
-            centre = sum(map(len, vertices))
+            centre = sum(len(block) for block in vertices)
             edge = ring * sides + np.arange(sides)
             fan = np.stack([np.full(sides, centre), edge, np.roll(edge, -1)], axis=1)
             faces.append(fan[:, [0, 2, 1]] if flip else fan)
@@ -195,7 +202,7 @@ def bar(
     """Straight rod; `thickness` is full, one number or (first, second) axis; `taper` is end over start."""
     half = np.broadcast_to(np.asarray(thickness, dtype=float) / 2, (2,))
     section = SQUARE if square else ellipse()
-    return sweep([start, end], section * half, np.array([1.0, taper]), up=up)
+    return sweep(np.array([start, end], dtype=float), section * half, np.array([1.0, taper]), up=up)
 
 
 def tube(path: ArrayLike, thickness: ArrayLike, *, square: bool = False, up: ArrayLike | None = None) -> Part:
@@ -210,7 +217,7 @@ def lathe(
     section: Float[np.ndarray, "S 2"] | None = None,
     cap_end: bool = True,
 ) -> Part:
-    """Profile of (radius, height), bottom first, turned about the y axis; `section` replaces the unit circle."""
+    """Profile of (radius, height), bottom first, about the y axis; `section` replaces the unit circle."""
     radius, height = np.asarray(profile, dtype=float).T
     section = ellipse(24) if section is None else section
     rings = np.empty((len(radius), len(section), 3))
@@ -256,12 +263,13 @@ def _cube_grid(ticks: int) -> tuple[Int[np.ndarray, "V 3"], Int[np.ndarray, "F 3
     steps = np.arange(ticks)
     a, b = (grid.ravel() for grid in np.meshgrid(steps, steps, indexing="ij"))
     quads = _grid_faces(ticks, ticks)
-    points, faces = [], []
+    points: list[Int[np.ndarray, "Q 3"]] = []
+    faces: list[Int[np.ndarray, "F 3"]] = []
     for axis in range(3):
         for side in (0, ticks - 1):
             plane = np.empty((ticks * ticks, 3), dtype=np.int64)
             plane[:, axis], plane[:, (axis + 1) % 3], plane[:, (axis + 2) % 3] = side, a, b
-            faces.append((quads if side else quads[:, ::-1]) + sum(map(len, points)))
+            faces.append((quads if side else quads[:, ::-1]) + sum(len(plane) for plane in points))
             points.append(plane)
     unique, index = np.unique(np.concatenate(points), axis=0, return_inverse=True)
     return unique, index.reshape(-1)[np.concatenate(faces)]

@@ -24,7 +24,10 @@ OVERLAP = 0.012  # metres a support reaches into what it carries, so that parts 
 
 @dataclass(frozen=True)
 class Footprint:
-    """Room under a seat or top, in metres: outer width (x) and depth (z) of the legs, height of the underside."""
+    """Room under a seat or top, in metres.
+
+    `width` (x) and `depth` (z) are the outer extents of the legs, `height` that of the underside.
+    """
 
     width: float
     depth: float
@@ -128,8 +131,6 @@ def star_pedestal(rng: np.random.Generator, foot: Footprint) -> list[Part]:
                 [1.1 * thick, hub],
                 [0.8 * thick, hub + 0.1],
                 [0.55 * thick, hub + 0.1],
-            ]
-            + [
                 [0.55 * thick, foot.height - 0.04],
                 [2.2 * thick, foot.height - 0.02],
                 [2.2 * thick, foot.height + OVERLAP],

@@ -11,7 +11,7 @@ from tetgan.shapes.builtin.parts import ellipse as unit_ellipse
 
 @dataclass(frozen=True)
 class Settee:
-    """Sizes in metres: `arm` and `thick` are thicknesses of an arm and of the back, heights from the floor."""
+    """Sizes in metres, heights from the floor; `arm` and `thick` are those of an arm and of the back."""
 
     width: float
     depth: float

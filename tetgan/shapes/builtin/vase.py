@@ -1,46 +1,56 @@
-"""Vases: turned, fluted, faceted, square and twisted bodies with handles, spouts, feet and lids."""
+"""Vases: turned, lobed, faceted, square and twisted vessels with handles, bands and lids."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from tetgan.shapes.builtin.draws import between, chance, pick, whole
+from tetgan.shapes.builtin.draws import between, chance, pick, pick_from, whole
 from tetgan.shapes.builtin.parts import Part, ellipse, lathe, tube, with_mirror
 
-Silhouette = Callable[[np.random.Generator], list[tuple[float, float]]]
 LEVELS = 33
+
+
+@dataclass(frozen=True, eq=False)
+class Body:
+    """A vessel one unit tall: outer radius (N,) at heights (N,), and a unit section (S, 2) it scales."""
+
+    height: Float[np.ndarray, "N"]
+    radius: Float[np.ndarray, "N"]
+    section: Float[np.ndarray, "S 2"]
+
+    def at(self, height: float) -> float:
+        return float(np.interp(height, self.height, self.radius))
 
 
 def make_vase(rng: np.random.Generator) -> tuple[list[Part], str]:
     """One vase and its structural kind."""
-    name = pick(rng, {name: weight for name, (_, weight) in SILHOUETTES.items()})
-    height, radius = _silhouette(rng, name)
-    section_name, section = _section(rng)
+    name, silhouette = pick_from(rng, SILHOUETTES)
+    cut, section = _section(rng)
+    body = Body(*_curve(rng, silhouette(rng)), section)
     wall = pick(rng, {"thick": 6, "sheet": 2, "solid": 1.2})
-    twist = (
-        between(rng, 30, 140) * (1 if chance(rng, 0.5) else -1)
-        if section_name in ("lobed", "square") and chance(rng, 0.35)
-        else 0.0
-    )
-    parts = [_body(rng, height, radius, section, wall, twist)]
-    extras = []
-    if name in ("amphora", "urn", "ovoid", "bottle", "pear") and chance(
-        rng, 0.85 if name == "amphora" else 0.3
-    ):
-        parts += _handles(rng, height, radius)
-        extras.append("handles")
-    elif name in ("pear", "ovoid", "jug") and chance(rng, 0.9 if name == "jug" else 0.2):
-        parts += _jug_handle(rng, height, radius)
-        extras.append("jug")
-    if chance(rng, 0.2):
-        parts += _rings(rng, height, radius, section)
-        extras.append("rings")
-    if wall != "sheet" and name in ("ovoid", "jar") and chance(rng, 0.6 if name == "jar" else 0.15):
-        parts += _lid(rng, radius[-1], section)
-        extras.append("lid")
-    return parts, f"{name}/{section_name}{'-twisted' if twist else ''}/{'+'.join(extras) or 'plain'}-{wall}"
+    vessel = _vessel(rng, body, wall)
+    if cut in ("lobed", "square") and chance(rng, 0.35):
+        cut += "-twisted"
+        vessel = vessel.twisted(between(rng, 30, 140) * pick(rng, {1: 1, -1: 1}))
+    extras = {
+        extra: make(rng, body)
+        for extra, make in EXTRAS.items()
+        if chance(rng, _likelihood(extra, name, wall))
+    }
+    parts = [vessel, *(part for added in extras.values() for part in added)]
+    return parts, f"{name}/{cut}/{'+'.join(extras) or 'plain'}-{wall}"
+
+
+def _likelihood(extra: str, name: str, wall: str) -> float:
+    """How often a silhouette gets a handle, bands or a lid."""
+    if extra == "lid":
+        return {"jar": 0.6, "ovoid": 0.15}.get(name, 0.0) if wall != "sheet" else 0.0
+    if extra == "handles":
+        return {"amphora": 0.85, "urn": 0.3, "ovoid": 0.25, "bottle": 0.3, "pear": 0.2}.get(name, 0.0)
+    return {"jug": 0.9}.get(name, 0.0) if extra == "handle" else 0.2
 
 
 # --- silhouettes: (height share, radius over height) control points, smooth in between ----------------------
@@ -187,7 +197,7 @@ def _cone(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-SILHOUETTES: dict[str, tuple[Silhouette, float]] = {
+SILHOUETTES: dict[str, tuple[Callable[[np.random.Generator], list[tuple[float, float]]], float]] = {
     "ovoid": (_ovoid, 3),
     "bottle": (_bottle, 3),
     "cylinder": (_cylinder, 2.5),
@@ -205,14 +215,15 @@ SILHOUETTES: dict[str, tuple[Silhouette, float]] = {
 }
 
 
-def _silhouette(rng: np.random.Generator, name: str) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
-    """Heights 0..1 and radii of the outside."""
-    at, radius = np.array(SILHOUETTES[name][0](rng), dtype=float).T
+def _curve(
+    rng: np.random.Generator, controls: list[tuple[float, float]]
+) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
+    """Heights 0..1 and radii through the control points, perhaps rippled."""
+    at, radius = np.array(controls, dtype=float).T
     height = np.linspace(0, 1, LEVELS)
-    angular = chance(rng, 0.2)
-    curve = (
-        PchipInterpolator(at, radius)(height) if angular or len(at) > 5 else CubicSpline(at, radius)(height)
-    )
+    # A cubic spline swings out between many points; the monotone one does not.
+    smooth = CubicSpline if len(at) <= 5 and chance(rng, 0.8) else PchipInterpolator
+    curve = smooth(at, radius)(height)
     if chance(rng, 0.15):
         curve = curve * (1 + between(rng, 0.015, 0.04) * np.cos(2 * np.pi * whole(rng, 5, 9) * height))
     return height, np.maximum(curve, 0.045)
@@ -237,98 +248,64 @@ def _section(rng: np.random.Generator) -> tuple[str, Float[np.ndarray, "S 2"]]:
 # --- parts --------------------------------------------------------------------------------------------------
 
 
-def _body(
-    rng: np.random.Generator,
-    height: Float[np.ndarray, "N"],
-    radius: Float[np.ndarray, "N"],
-    section: Float[np.ndarray, "S 2"],
-    wall: str,
-    twist: float,
-) -> Part:
+def _vessel(rng: np.random.Generator, body: Body, wall: str) -> Part:
     """The vessel: with an inside, as one open sheet, or filled to the brim."""
-    outside = np.stack([radius, height], axis=1)
-    if wall == "thick":
-        thick = np.minimum(between(rng, 0.035, 0.06), 0.6 * radius)
-        floor = between(rng, 0.05, 0.09)
-        inner = np.stack([radius - thick, np.maximum(height, floor)], axis=1)[height >= floor - 0.02][::-1]
-        profile = np.concatenate([outside, inner])
-    else:
-        profile = outside
-    body = lathe(profile, section=section, cap_end=wall != "sheet")
-    if twist == 0:
-        return body
-    angle = np.radians(twist) * body.vertices[:, 1]
-    x, z = body.vertices[:, 0], body.vertices[:, 2]
-    turned = np.stack(
-        [x * np.cos(angle) + z * np.sin(angle), body.vertices[:, 1], z * np.cos(angle) - x * np.sin(angle)], 1
-    )
-    return Part(turned, body.faces)
+    outside = np.stack([body.radius, body.height], axis=1)
+    if wall != "thick":
+        return lathe(outside, section=body.section, cap_end=wall == "solid")
+    thick, floor = np.minimum(between(rng, 0.035, 0.06), 0.6 * body.radius), between(rng, 0.05, 0.09)
+    above = body.height > floor
+    inside = np.stack([body.radius - thick, body.height], axis=1)[above][::-1]
+    return lathe(np.concatenate([outside, inside]), section=body.section)
 
 
-def _handles(
-    rng: np.random.Generator, height: Float[np.ndarray, "N"], radius: Float[np.ndarray, "N"]
-) -> list[Part]:
+def _handles(rng: np.random.Generator, body: Body) -> list[Part]:
     """Two loops from the shoulder to the neck."""
     low, high = between(rng, 0.5, 0.65), between(rng, 0.84, 0.95)
     return with_mirror(
-        [_loop(height, radius, low, high, between(rng, 0.06, 0.16), between(rng, 0.045, 0.07))]
+        [_loop(body, low, high, reach=between(rng, 0.06, 0.16), thick=between(rng, 0.045, 0.07))]
     )
 
 
-def _jug_handle(
-    rng: np.random.Generator, height: Float[np.ndarray, "N"], radius: Float[np.ndarray, "N"]
-) -> list[Part]:
+def _handle(rng: np.random.Generator, body: Body) -> list[Part]:
     """One large loop."""
     low, high = between(rng, 0.25, 0.45), between(rng, 0.85, 0.95)
-    return [_loop(height, radius, low, high, between(rng, 0.12, 0.2), between(rng, 0.05, 0.075))]
+    return [_loop(body, low, high, reach=between(rng, 0.12, 0.2), thick=between(rng, 0.05, 0.075))]
 
 
-def _loop(
-    height: Float[np.ndarray, "N"],
-    radius: Float[np.ndarray, "N"],
-    low: float,
-    high: float,
-    reach: float,
-    thick: float,
-) -> Part:
+def _loop(body: Body, low: float, high: float, *, reach: float, thick: float) -> Part:
+    """Handle standing out `reach` from the line between its two roots in the wall."""
     t = np.linspace(0, 1, 13)
-    inside_low, inside_high = np.interp([low, high], height, radius) - 0.02
-    x = (
-        inside_low
-        + (inside_high - inside_low) * t
-        + (reach + max(0.0, inside_low - inside_high) * 0.4) * np.sin(np.pi * t)
-    )
+    side = body.section[:, 0].max()
+    root, tip = side * body.at(low) - 0.02, side * body.at(high) - 0.02
+    out = (reach + 0.4 * max(0.0, root - tip)) * np.sin(np.pi * t)
     y = low + (high - low) * t + 0.35 * reach * np.sin(np.pi * t) ** 2
-    return tube(np.stack([x, y, np.zeros(13)], axis=1), thick, up=(0, 0, 1))
+    return tube(np.stack([root + (tip - root) * t + out, y, np.zeros(13)], axis=1), thick, up=(0, 0, 1))
 
 
-def _rings(
-    rng: np.random.Generator,
-    height: Float[np.ndarray, "N"],
-    radius: Float[np.ndarray, "N"],
-    section: Float[np.ndarray, "S 2"],
-) -> list[Part]:
-    """Bands laid round the body."""
+def _bands(rng: np.random.Generator, body: Body) -> list[Part]:
+    """Rings laid round the body."""
     bands = []
     for place in rng.uniform(0.15, 0.85, whole(rng, 1, 3)):
-        r, tall = float(np.interp(place, height, radius)), between(rng, 0.02, 0.05)
-        profile = [
-            (r * 0.9, place - tall / 2),
-            (r + 0.02, place - tall / 3),
-            (r + 0.02, place + tall / 3),
-            (r * 0.9, place + tall / 2),
-        ]
-        bands.append(lathe(profile, section=section))
+        inner, outer, half = body.at(place) * 0.9, body.at(place) + 0.02, between(rng, 0.01, 0.025)
+        offsets = np.array([-1, -0.7, 0.7, 1]) * half
+        profile = np.stack([[inner, outer, outer, inner], place + offsets], axis=1)
+        bands.append(lathe(profile, section=body.section))
     return bands
 
 
-def _lid(rng: np.random.Generator, mouth: float, section: Float[np.ndarray, "S 2"]) -> list[Part]:
+def _lid(rng: np.random.Generator, body: Body) -> list[Part]:
     """A dome with a knob."""
-    t = np.linspace(0, np.pi / 2, 7)[:-1]
-    rise, wide = between(rng, 0.06, 0.16), mouth * between(rng, 1.05, 1.25)
-    dome = np.concatenate(
-        [[[wide, 0.98], [wide, 1.02]], np.stack([wide * np.cos(t), 1.02 + rise * np.sin(t)], 1)[1:]]
-    )
-    s = np.linspace(0.15, np.pi - 0.15, 7)
-    knob = np.stack([0.045 * np.sin(s), 1.02 + rise + 0.03 - 0.045 * np.cos(s)], axis=1)
-    return [lathe(dome, section=section), lathe(knob, section=ellipse(12))]
+    rise, wide = between(rng, 0.06, 0.16), body.at(1) * between(rng, 1.05, 1.25)
+    t, s = np.linspace(0, 0.42 * np.pi, 6), np.linspace(0.15, np.pi - 0.15, 7)
+    dome = np.stack([np.r_[wide, wide * np.cos(t)], np.r_[0.98, 1.02 + rise * np.sin(t)]], axis=1)
+    knob = np.stack([0.05 * np.sin(s), 1.02 + rise + 0.03 - 0.05 * np.cos(s)], axis=1)
+    return [lathe(dome, section=body.section), lathe(knob, section=ellipse(12))]
+
+
+EXTRAS: dict[str, Callable[[np.random.Generator, Body], list[Part]]] = {
+    "handles": _handles,
+    "handle": _handle,
+    "bands": _bands,
+    "lid": _lid,
+}
