@@ -27,13 +27,12 @@ class LocalCritic(nn.Module):
 
 
 class GlobalCritic(nn.Module):
-    """A block of three convolutions a level, pooling between, then one linear layer over the coarsest grid."""
+    """A block of three convolutions a level, pooling between, then a linear layer over the coarsest grid."""
 
-    def __init__(self, hierarchy: TetHierarchy, width: int, base: int | None = None) -> None:
-        """`width` channels at the finest level, doubled at each coarser one; `base` at the coarsest, if given."""
+    def __init__(self, hierarchy: TetHierarchy, width: int) -> None:
         super().__init__()
         depth = len(hierarchy.tets) - 1
-        widths = level_widths(depth, width, base or width * 2**depth)
+        widths = level_widths(depth, width, base=width * 2**depth)
         blocks, channels = [], FIELD_CHANNELS
         for level in reversed(range(len(widths))):
             steps = [channels] + GLOBAL_CONVOLUTIONS * [widths[level]]

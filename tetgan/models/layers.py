@@ -22,8 +22,10 @@ class TetHierarchy(nn.Module):
         self, hierarchy: GridHierarchy, upsample: Literal["inverse_distance", "copy"] = "inverse_distance"
     ) -> None:
         super().__init__()
-        self.neighbors = nn.ModuleList(TetNeighbors(grid.neighbors) for grid in hierarchy.levels)
-        self.upsamplings = nn.ModuleList(
+        self.neighbors: Sequence[TetNeighbors] = nn.ModuleList(  # type: ignore[assignment]
+            TetNeighbors(grid.neighbors) for grid in hierarchy.levels
+        )
+        self.upsamplings: Sequence[TetUpsample] = nn.ModuleList(  # type: ignore[assignment]
             TetUpsample(coarse, fine, upsample) for coarse, fine in pairwise(hierarchy.levels)
         )
         self.tets = [len(grid.tets) for grid in hierarchy.levels]
@@ -35,7 +37,7 @@ def level_widths(depth: int, width: int, base: int) -> list[int]:
 
 
 def conv_layers(widths: Sequence[int], neighbors: TetNeighbors, pool: TetPool | None = None) -> nn.Sequential:
-    """Convolutions through `widths`, each followed by instance norm and leaky ReLU; the last one pools before.
+    """Convolutions through `widths`, each followed by instance norm and leaky ReLU; the last pools first.
 
     The convolutions have no bias, because the norm would take it off again.
     """

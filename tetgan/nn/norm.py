@@ -36,8 +36,7 @@ class _NormActivate(torch.autograd.Function):
     def forward(ctx: Any, x: Tensor, eps: float) -> tuple[Tensor, Tensor]:
         y = x - x.mean(dim=0)
         # Centred first: a mean of squares minus a squared mean loses all digits where the mean is large.
-        spread = torch.linalg.vector_norm(y, dim=0, dtype=torch.float32 if y.itemsize < 4 else None)
-        scale = torch.rsqrt(spread.square() / len(x) + eps).to(x.dtype)
+        scale = torch.rsqrt(y.square().mean(dim=0) + eps)
         y = functional.leaky_relu_(y.mul_(scale), SLOPE)
         ctx.save_for_backward(y, scale)
         return y, scale
@@ -45,8 +44,7 @@ class _NormActivate(torch.autograd.Function):
     @staticmethod
     def backward(ctx: Any, grad: Tensor, grad_scale: Tensor) -> tuple[Tensor, None]:  # type: ignore[override]
         y, scale = ctx.saved_tensors
-        positive = y > 0
-        normal = torch.where(positive, y, y / SLOPE)
-        grad = torch.where(positive, grad, grad * SLOPE)
+        normal = functional.leaky_relu(y, 1 / SLOPE)
+        grad = torch.ops.aten.leaky_relu_backward(grad, y, SLOPE, True)
         along = scale * (grad * normal).mean(dim=0) + scale.square() * grad_scale / len(y)
         return torch.addcmul(scale * (grad - grad.mean(dim=0)), normal, along, value=-1), None

@@ -1,0 +1,18 @@
+"""Which device a name stands for."""
+
+import torch
+
+from tetgan.errors import UserError
+
+
+def pick_device(name: str) -> torch.device:
+    """The device of 'auto', 'cpu' or 'cuda'; auto is CUDA where there is one.
+
+    Raises:
+        UserError: CUDA is asked for and missing.
+    """
+    if name == "auto":
+        return torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    if name == "cuda" and not torch.cuda.is_available():
+        raise UserError("device 'cuda': this machine has no CUDA device; use 'auto' or 'cpu'")
+    return torch.device(name)

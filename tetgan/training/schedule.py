@@ -1,0 +1,26 @@
+"""What changes in the course of a training run."""
+
+import math
+
+from tetgan.training.options import TrainingOptions
+
+EPOCH_SHAPES = 5648  # an epoch of the paper's chairs; the KL schedule counts in these
+
+
+def kl_weight(shapes: int, options: TrainingOptions) -> float:
+    """Weight of the KL term after so many shapes: kl_weight · (1 − 0.99 · kl_decay^(shapes / 5,648))."""
+    return options.kl_weight * (1 - 0.99 * options.kl_decay ** (shapes / EPOCH_SHAPES))
+
+
+def rate_factor(progress: float, options: TrainingOptions) -> float:
+    """Factor of both step sizes at `progress` (0 to 1) through the run."""
+    if options.decay == "constant":
+        return 1.0
+    return 0.01 + 0.99 * (1 + math.cos(math.pi * progress)) / 2
+
+
+def adversarial_step_due(step: int, steps: int, options: TrainingOptions) -> bool:
+    """Whether an adversarial round follows autoencoder step `step` of `steps`."""
+    if options.local_weight == options.global_weight == 0:
+        return False
+    return step >= options.adversarial_start * steps and step % options.adversarial_every == 0
