@@ -225,7 +225,7 @@ def _wheels(rng: np.random.Generator, body: Body) -> list[Part]:
     ]
     tyre = lathe(profile, section=ellipse(20)).rotated("z", -90)
     parts = [tyre.moved((outer, radius, z)) for z in (body.rear_axle, body.front_axle)]
-    if chance(rng, 0.7):
+    if chance(rng, 0.7) and 2.3 * radius < 0.88 * body.belt:  # room under the bonnet for a lip
         angle = np.linspace(0.06 * np.pi, 0.94 * np.pi, 13)
         r, lip = radius * 1.17, between(rng, 0.06, 0.10)
         for axle in (body.rear_axle, body.front_axle):

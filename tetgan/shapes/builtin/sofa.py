@@ -1,12 +1,14 @@
 """Sofas: upholstered in several manners, wooden-framed, L-shaped, curved, and day beds."""
 
 import numpy as np
+from jaxtyping import Float
+from numpy.typing import ArrayLike
 
 from tetgan.shapes.builtin import supports
 from tetgan.shapes.builtin import upholstery as soft
 from tetgan.shapes.builtin.arms import ArmRoom, post_arms
 from tetgan.shapes.builtin.backs import BackPlane, ladder_back, slatted_back
-from tetgan.shapes.builtin.draws import between, chance, pick, whole
+from tetgan.shapes.builtin.draws import between, chance, pick, pick_from, whole
 from tetgan.shapes.builtin.parts import Part, box, panel, rounded_box, with_mirror
 from tetgan.shapes.builtin.upholstery import Settee
 
@@ -76,127 +78,146 @@ def _feet(rng: np.random.Generator, settee: Settee) -> tuple[list[Part], str]:
 def _corner(rng: np.random.Generator) -> tuple[list[Part], str]:
     """L-shape: a straight sofa with a chaise or a second wing on one side."""
     settee = _settee(rng)
-    arm = settee.arm
-    run = settee.depth * between(rng, 0.6, 1.1)
-    wing = between(rng, 0.65, 0.85)
-    side = pick(rng, {1.0: 1, -1.0: 1})
-    chaise = chance(rng, 0.55)
+    side, run, wide = (
+        pick(rng, {1: 1, -1: 1}),
+        settee.depth * between(rng, 0.6, 1.1),
+        between(rng, 0.65, 0.85),
+    )
+    kind = pick(rng, {"chaise": 5, "corner": 4})
     parts = [soft.seat_base(settee), soft.plain_back(settee, over_arms=True)]
     parts += soft.seat_cushions(settee, whole(rng, 2, 3))
-    if chance(rng, 0.7):
-        parts += soft.back_cushions(rng, settee, whole(rng, 2, 3))
-    arms = soft.block_arms(rng, settee)
-    x = side * (settee.width / 2 - wing / 2)
-    z = settee.depth / 2 + run / 2 - 0.03
-    base_top = settee.seat - 0.14
-    parts.append(
-        rounded_box((wing, base_top - settee.floor, run), (x, (base_top + settee.floor) / 2, z), 0.02)
-    )
-    pad_x, pad = (x, wing) if chaise else (x - side * arm / 2, wing - arm)
-    parts.append(
-        rounded_box((pad * 0.98, 0.17, run), (pad_x, settee.seat - 0.07, z), 0.045, bulge=(0, 0.025, 0.01))
-    )
-    parts.append(arms[1] if side > 0 else arms[0])
-    if chaise:
-        parts.append(arms[0] if side > 0 else arms[1])
-    else:
-        tall = settee.back_top - settee.floor
-        wall = (settee.thick, tall, settee.depth + run - 0.06)
-        parts.append(
-            rounded_box(
-                wall,
-                (side * (settee.width - settee.thick) / 2, settee.floor + tall / 2, run / 2),
-                settee.soft,
-            )
-        )
+    parts += soft.back_cushions(rng, settee, whole(rng, 2, 3)) if chance(rng, 0.7) else []
+    near_arm, far_arm = soft.block_arms(rng, settee)
+    wing = [*_wing(settee, run, wide, wide if kind == "chaise" else wide - settee.arm), far_arm]
+    wing.append(near_arm if kind == "chaise" else _wing_back(settee, run))
+    parts += wing if side > 0 else [part.mirrored() for part in wing]
     foot = supports.Footprint(settee.width * 0.95, settee.depth * 0.92, settee.floor, between(rng, 0.06, 0.1))
     parts += [soft.skirt(settee)] if settee.floor < 0.06 else supports.plain_legs(rng, foot)
-    front = box((wing * 0.85, settee.floor + 0.02, 0.08), (x, settee.floor / 2, z + run / 2 - 0.1))
-    return [
-        *parts,
-        front,
-    ], f"{'chaise' if chaise else 'corner'}-{'right' if side < 0 else 'left'}/feet/block-arms"
+    return parts, f"{kind}-{'left' if side > 0 else 'right'}/feet/block-arms"
+
+
+def _wing(settee: Settee, run: float, wide: float, padded: float) -> list[Part]:
+    """Seat reaching forward by `run` on the +x side; its cushion is `padded` wide, its base `wide`."""
+    x, z = settee.width / 2 - wide / 2, settee.depth / 2 + run / 2 - 0.03
+    top = settee.seat - 0.14
+    base = rounded_box((wide, top - settee.floor, run), (x, (top + settee.floor) / 2, z), 0.02)
+    inner = x - (wide - padded) / 2
+    pad = rounded_box(
+        (padded * 0.98, 0.17, run), (inner, settee.seat - 0.07, z), 0.045, bulge=(0, 0.025, 0.01)
+    )
+    toe, front = (0.08, settee.floor + 0.02, 0.08), z + run / 2 - 0.1
+    toes = [box(toe, (x + s * (wide / 2 - 0.1), settee.floor / 2, front)) for s in (1, -1)]
+    return [base, pad, *toes]
+
+
+def _wing_back(settee: Settee, run: float) -> Part:
+    """Back of the second wing, along the +x side."""
+    tall = settee.back_top - settee.floor
+    x, z = (settee.width - settee.thick) / 2, run / 2
+    size = (settee.thick, tall, settee.depth + run - 0.06)
+    return rounded_box(size, (x, settee.floor + tall / 2, z), settee.soft)
+
+
+_WOODEN_STANDS: dict[str, tuple[supports.Support, float]] = {
+    "legs": (supports.straight_legs, 2),
+    "splayed": (supports.splayed_legs, 2),
+    "sled": (supports.sled_runners, 1),
+}
 
 
 def _wooden(rng: np.random.Generator) -> tuple[list[Part], str]:
     """Loose cushions in a frame of bars."""
-    width, depth = between(rng, 1.3, 1.9), between(rng, 0.68, 0.85)
     seat, leg, pad = between(rng, 0.38, 0.45), between(rng, 0.06, 0.09), between(rng, 0.11, 0.16)
-    back, tilt, seats = between(rng, 0.36, 0.5), between(rng, 8, 18), whole(rng, 2, 3)
-    foot = supports.Footprint(width, depth, seat - pad, leg)
-    plane = BackPlane(width - leg, back, seat - pad, -depth / 2 + leg / 2, tilt)
-    room = ArmRoom(
-        width / 2 - leg * 0.3, seat - pad, seat + between(rng, 0.14, 0.22), -depth / 2 - 0.04, depth / 2, leg
+    settee = Settee(
+        width=between(rng, 1.3, 1.9),
+        depth=between(rng, 0.68, 0.85),
+        floor=seat - pad,
+        seat=seat,
+        arm=leg,
+        arm_top=seat + between(rng, 0.14, 0.22),
+        back_top=seat + between(rng, 0.36, 0.5),
+        thick=0.06,
+        soft=0.03,
+        tilt=between(rng, 8, 18),
     )
-    style = pick(rng, {slatted_back: 1, ladder_back: 1})
-    support = pick(rng, {"legs": 2, "splayed": 2, "sled": 1})
-    stand = {"legs": supports.straight_legs, "splayed": supports.splayed_legs, "sled": supports.sled_runners}[
-        support
-    ]
+    rear, front = -settee.depth / 2, settee.depth / 2
+    plane = BackPlane(settee.width - leg, settee.back_top - seat, seat - pad, rear + leg / 2, settee.tilt)
+    style, make_back = pick_from(rng, {"slatted": (slatted_back, 1), "ladder": (ladder_back, 1)})
+    stand, make_stand = pick_from(rng, _WOODEN_STANDS)
+    room = ArmRoom(settee.width / 2 - leg * 0.3, seat - pad, settee.arm_top, rear - 0.04, front, leg)
+    seats = whole(rng, 2, 3)
     parts = [
-        box((width, 0.06, depth), (0, seat - pad - 0.02, 0)),
-        *stand(rng, foot),
-        *style(rng, plane, leg * 0.8),
+        box((settee.width, 0.06, settee.depth), (0, seat - pad - 0.02, 0)),
+        *make_back(rng, plane, leg * 0.8),
     ]
-    settee = Settee(width, depth, seat - pad, seat, leg, seat, seat + back, 0.06, 0.03, tilt)
+    parts += make_stand(rng, supports.Footprint(settee.width, settee.depth, seat - pad, leg))
     parts += soft.seat_cushions(settee, seats) + soft.back_cushions(rng, settee, seats)
-    return parts + post_arms(rng, room), f"wooden/{support}/post-arms"
+    return parts + post_arms(rng, room), f"wooden-{style}/{stand}/post-arms"
 
 
 def _curved(rng: np.random.Generator) -> tuple[list[Part], str]:
     """A segment of a ring, its back outside."""
-    radius, half = between(rng, 1.0, 1.5), np.radians(between(rng, 36, 62))
-    depth, seat, back = between(rng, 0.68, 0.85), between(rng, 0.38, 0.45), between(rng, 0.7, 0.9)
-    floor = between(rng, 0.04, 0.14)
-    angle = np.linspace(-half, half, 25)
-
-    def ring(inner: float, outer: float, low: float, high: float, steps: int = 5) -> Part:
-        r = np.linspace(inner, outer, steps)
-        x, z = -np.sin(angle)[:, None] * r, radius - np.cos(angle)[:, None] * r
-        middle = np.full(x.shape, (low + high) / 2)
-        return panel(np.stack([x, middle, z], axis=-1), high - low)
-
-    thick = between(rng, 0.15, 0.22)
+    radius, depth = between(rng, 1.0, 1.5), between(rng, 0.68, 0.85)
+    angle = np.radians(between(rng, 36, 62)) * np.linspace(-1, 1, 25)
+    seat, floor, thick = between(rng, 0.38, 0.45), between(rng, 0.04, 0.14), between(rng, 0.15, 0.22)
     parts = [
-        ring(radius - depth, radius, floor, seat - 0.12),
-        ring(radius - depth - 0.01, radius - thick, seat - 0.14, seat),
+        _ring_slab(angle, (radius - depth, radius), (floor, seat - 0.12)),
+        _ring_slab(angle, (radius - depth - 0.01, radius - thick), (seat - 0.14, seat)),
+        _ring_wall(rng, angle, radius - thick / 2, floor, thick),
     ]
-    lower = back - between(rng, 0.0, 0.22)
+    spots = [_on_ring(place, r) for place in angle[[2, 12, 22]] for r in (radius - 0.1, radius - depth + 0.1)]
+    parts += [box((0.08, floor + 0.02, 0.08), (float(x), floor / 2, float(z))) for x, z in spots]
+    return [part.moved((0, 0, depth / 2 - radius)) for part in parts], "curved/feet/wrapped"
+
+
+def _on_ring(angle: ArrayLike, radius: ArrayLike) -> tuple[Float[np.ndarray, "*s"], Float[np.ndarray, "*s"]]:
+    """(x, z) on circles about the origin; angle 0 is the rear."""
+    return -np.sin(angle) * np.asarray(radius), -np.cos(angle) * np.asarray(radius)
+
+
+def _ring_slab(
+    angle: Float[np.ndarray, "N"], radii: tuple[float, float], heights: tuple[float, float]
+) -> Part:
+    """Horizontal segment of a ring."""
+    x, z = _on_ring(angle[:, None], np.linspace(*radii, 5))
+    y = np.full(x.shape, sum(heights) / 2)
+    return panel(np.stack([x, y, z], axis=-1), heights[1] - heights[0])
+
+
+def _ring_wall(
+    rng: np.random.Generator, angle: Float[np.ndarray, "N"], radius: float, floor: float, thick: float
+) -> Part:
+    """Back of a curved sofa, lower at its ends and leaning out."""
+    high = between(rng, 0.7, 0.9)
+    low = high - between(rng, 0.0, 0.22)
     s = np.linspace(0, 1, 5)
-    top = lower + (back - lower) * np.cos(angle / half * np.pi / 2)
-    y = floor + (top[:, None] - floor) * s
-    r = radius - thick / 2 + between(rng, 0.0, 0.08) * s
-    wall = np.stack([-np.sin(angle)[:, None] * r, y, radius - np.cos(angle)[:, None] * r], axis=-1)
-    parts.append(panel(wall, thick))
-    for place in angle[[2, 12, 22]]:
-        for r_leg in (radius - 0.1, radius - depth + 0.1):
-            spot = (-np.sin(place) * r_leg, floor / 2, radius - np.cos(place) * r_leg)
-            parts.append(box((0.08, floor + 0.02, 0.08), spot))
-    return [part.moved((0, 0, -depth / 2)) for part in parts], "curved/feet/wrapped"
+    top = low + (high - low) * np.cos(angle / angle[-1] * np.pi / 2)[:, None]
+    x, z = _on_ring(angle[:, None], radius + between(rng, 0.0, 0.08) * s)
+    return panel(np.stack([x, floor + (top - floor) * s, z], axis=-1), thick)
+
+
+_DAYBED_STANDS: dict[str, tuple[supports.Support, float]] = {
+    "legs": (supports.plain_legs, 2),
+    "splayed": (supports.splayed_legs, 1),
+    "turned": (supports.turned_legs, 1),
+}
 
 
 def _daybed(rng: np.random.Generator) -> tuple[list[Part], str]:
-    """A long cushion with one or two raised ends, or a low rail behind."""
+    """A long cushion with one or two raised ends, and perhaps a low back."""
     width, depth, seat = between(rng, 1.6, 2.0), between(rng, 0.7, 0.9), between(rng, 0.38, 0.46)
-    pad, leg = between(rng, 0.14, 0.2), between(rng, 0.07, 0.1)
-    mattress = rounded_box((width, pad, depth), (0, seat - pad / 2, 0), 0.05, bulge=(0, 0.02, 0))
-    frame = box((width, 0.07, depth), (0, seat - pad - 0.02, 0))
+    pad = between(rng, 0.14, 0.2)
+    parts = [
+        rounded_box((width, pad, depth), (0, seat - pad / 2, 0), 0.05, bulge=(0, 0.02, 0)),
+        box((width, 0.07, depth), (0, seat - pad - 0.02, 0)),
+    ]
     end = rounded_box((0.16, between(rng, 0.3, 0.42), depth), (width / 2 - 0.05, seat + 0.12, 0), 0.06)
     end = end.rotated("z", -between(rng, 5, 25), (width / 2, seat, 0))
     ends = pick(rng, {"one-end": 1, "two-ends": 1})
-    parts = [mattress, frame, *([end] if ends == "one-end" else with_mirror([end]))]
+    parts += [end] if ends == "one-end" else with_mirror([end])
     if chance(rng, 0.5):
-        tall = between(rng, 0.25, 0.4)
-        parts.append(
-            rounded_box(
-                (width * between(rng, 0.55, 1.0), tall, 0.14),
-                (0, seat + tall / 2 - 0.02, -depth / 2 + 0.05),
-                0.05,
-            )
-        )
-    foot = supports.Footprint(width * 0.95, depth * 0.92, seat - pad - 0.04, leg)
-    stand = pick(rng, {"legs": 2, "splayed": 1, "turned": 1})
-    make = {"legs": supports.plain_legs, "splayed": supports.splayed_legs, "turned": supports.turned_legs}[
-        stand
-    ]
-    return parts + make(rng, foot), f"daybed-{ends}/{stand}/no-arms"
+        tall, long = between(rng, 0.25, 0.4), width * between(rng, 0.55, 1.0)
+        parts.append(rounded_box((long, tall, 0.14), (0, seat + tall / 2 - 0.02, 0.05 - depth / 2), 0.05))
+    foot = supports.Footprint(width * 0.95, depth * 0.92, seat - pad - 0.04, between(rng, 0.07, 0.1))
+    stand, make_stand = pick_from(rng, _DAYBED_STANDS)
+    return parts + make_stand(rng, foot), f"daybed-{ends}/{stand}/no-arms"

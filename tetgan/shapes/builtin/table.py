@@ -39,14 +39,7 @@ def _oblong(rng: np.random.Generator) -> tuple[list[Part], str]:
     top = _oblong_top(rng, use)
     shape = pick(rng, {"rectangle": 4, "rounded": 2, "oval": 1.5, "boards": 1, "glass": 0.7})
     stand, make_stand = pick_from(rng, SUPPORTS)
-    # Legs at the corners of a rectangle would stand beside an oval.
-    inset = (
-        0.7
-        if shape == "oval"
-        else between(rng, 0.7, 0.85)
-        if stand == "trestles"
-        else between(rng, 0.86, 1.0)
-    )
+    inset = _inset(rng, shape, stand)
     leg = max(top.width, top.height) * between(rng, 0.042, 0.075)
     foot = Footprint(top.width * inset, top.depth * min(inset, 0.94), top.under, leg)
     parts = [*_top(rng, shape, top), *make_stand(rng, foot)]
@@ -58,6 +51,15 @@ def _oblong(rng: np.random.Generator) -> tuple[list[Part], str]:
         parts += _drawer_row(rng, foot)
         stand += "-drawers"
     return parts, f"{use}-{shape}/{stand}"
+
+
+def _inset(rng: np.random.Generator, shape: str, stand: str) -> float:
+    """Extent of the legs over that of the top: what fits a rectangle would stand beside an oval."""
+    if shape == "oval":
+        return 0.7
+    if shape == "rounded" or stand == "trestles":
+        return between(rng, 0.74, 0.84)
+    return between(rng, 0.86, 1.0)
 
 
 def _oblong_top(rng: np.random.Generator, use: str) -> Top:
@@ -76,7 +78,7 @@ def _top(rng: np.random.Generator, shape: str, top: Top) -> list[Part]:
     if shape == "glass":
         return tops.glass_top(top)
     exponents = {"rectangle": None, "square": None, "oval": 2.0, "round": 2.0}
-    return tops.shaped_top(rng, top, exponents.get(shape, between(rng, 3.0, 9.0)))
+    return tops.shaped_top(rng, top, exponents.get(shape, between(rng, 4.0, 9.0)))
 
 
 def _drawer_row(rng: np.random.Generator, foot: Footprint) -> list[Part]:
