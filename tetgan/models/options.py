@@ -14,7 +14,7 @@ class TetganOptions(Options):
     grid: str = Field(description="name of the grid, a key of `grids`")
     latent: Literal["global", "tet", "conv"] = Field(
         "global",
-        description="one code a shape (global), or one a coarse tet, by shared MLP (tet) or convolution (conv)",
+        description="one code a shape (global), or one a coarse tet by MLP (tet) or convolution (conv)",
     )
     code: int = Field(512, ge=1, description="length of a latent code; the paper's is 512")
     width: int = Field(64, ge=1, description="channels at the finest level, doubled at each coarser one")

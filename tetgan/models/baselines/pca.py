@@ -58,7 +58,7 @@ class PcaGenerator(FieldGenerator):
             rows, mean = _centred(tets(part))
             self.mean[part] = torch.from_numpy(mean)
             components = (rows.T @ shapes / lengths).T
-            self.components[: len(kept), part] = torch.from_numpy(components.reshape(len(kept), -1, 4))
+            self.components[: len(kept), part] = torch.from_numpy(components.reshape(len(kept), len(mean), 4))
         self.deviations[: len(kept)] = torch.from_numpy(lengths / np.sqrt(max(len(gram) - 1, 1)))
 
 

@@ -1,0 +1,78 @@
+"""Fields out of models, and models to disk and back."""
+
+import numpy as np
+import pytest
+import torch
+
+from tetgan.errors import UserError
+from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.models.measures import occupancy_iou
+from tetgan.models.options import PcaOptions, RepresentationOptions, TetganOptions
+from tetgan.models.registry import WEIGHTS, build_generator, load_generator, save_generator
+from tetgan.models.sampling import generate_fields, reconstruct_fields
+
+OPTIONS = [
+    TetganOptions(grid="smoke", latent="global", width=4, code=6),
+    TetganOptions(grid="smoke", latent="tet", width=4, code=6, pool="mean", upsample="copy"),
+    PcaOptions(kind="pca", grid="smoke", components=3),
+    RepresentationOptions(kind="representation", grid="smoke"),
+]
+
+
+def occupancies(fields) -> np.ndarray:
+    return np.stack([field.occupancy for field in fields])
+
+
+@pytest.mark.parametrize("options", OPTIONS, ids=lambda o: f"{o.kind}-{getattr(o, 'latent', '')}")
+def test_a_saved_model_decodes_as_before(store, tmp_path, options):
+    torch.manual_seed(0)
+    generator = build_generator(options, store.hierarchy)
+    save_generator(tmp_path, generator, options, store.hierarchy, seed=3)
+    loaded = load_generator(tmp_path, store.hierarchy)
+    latent = generator.sample_latent(2, torch.Generator().manual_seed(0))
+    assert torch.equal(loaded.decode(latent), generator.decode(latent))
+
+
+def test_samples_depend_on_the_seed_alone(store):
+    torch.manual_seed(0)
+    generator = build_generator(OPTIONS[0], store.hierarchy)
+    five = occupancies(generate_fields(generator, store, 5, seed=1, batch_size=2))
+    assert np.array_equal(occupancies(generate_fields(generator, store, 5, seed=1, batch_size=5)), five)
+    assert not np.array_equal(occupancies(generate_fields(generator, store, 5, seed=2)), five)
+
+
+def test_displacements_come_back_in_cube_sides(store):
+    generator = build_generator(PcaOptions(kind="pca", grid="smoke", components=5), store.hierarchy)
+    tensor = store.tensor(store.ids("train"))
+    generator.fit(lambda part: tensor[:, part])
+    for shape_id, field, iou in reconstruct_fields(generator, store, store.ids("train"), batch_size=4):
+        original = store.read(shape_id)
+        assert iou == 1
+        np.testing.assert_allclose(field.displacement, original.displacement, atol=1e-4)
+
+
+def test_the_representation_gives_the_fields_themselves(store):
+    generator = build_generator(OPTIONS[-1], store.hierarchy)
+    for shape_id, field, iou in reconstruct_fields(generator, store, store.ids("validation")):
+        assert iou == 1
+        assert np.array_equal(field.displacement, store.read(shape_id).displacement)
+    once = occupancies(generate_fields(generator, store, 6, seed=0))
+    train = occupancies(store.read(shape_id) for shape_id in store.ids("train"))
+    assert np.array_equal(np.unique(once, axis=0), np.unique(train, axis=0))
+    assert np.array_equal(occupancies(generate_fields(generator, store, 8, seed=0))[6:], once[:2])
+
+
+def test_a_model_of_another_grid_or_no_model_is_refused(store, tmp_path):
+    generator = build_generator(OPTIONS[0], store.hierarchy)
+    save_generator(tmp_path, generator, OPTIONS[0], store.hierarchy)
+    with pytest.raises(UserError, match="another grid"):
+        load_generator(tmp_path, build_hierarchy(1, 0))
+    (tmp_path / WEIGHTS).write_bytes(b"torn")
+    with pytest.raises(UserError, match="train it first"):
+        load_generator(tmp_path, store.hierarchy)
+
+
+def test_iou_by_hand():
+    predicted = np.array([[True, True, False], [False, False, False]])
+    true = np.array([[True, False, True], [False, False, False]])
+    assert occupancy_iou(predicted, true).tolist() == [1 / 3, 1.0]
