@@ -24,6 +24,7 @@ from tetgan.files import whole_file
 from tetgan.models.pointnet2 import Classifier, load_classifier
 from tetgan.shapes.archive import read_meshes
 from tetgan.shapes.catalogue import read_catalogue
+from tetgan.shapes.clouds import read_clouds
 
 SMOOTHINGS = ("none", "wls")
 """Folders of a model's samples: without, and with the weighted Laplacian smoothing of Eq. 4."""
@@ -59,7 +60,8 @@ def evaluate_model(
     if not folders:
         raise UserError(f"{samples}: no samples; expected a folder 'none' or 'wls' in it")
     classifier = _load_extractor(extractor)
-    yardstick = _Yardstick(options, classifier, draw_real(clouds, "holdout", classifier, options), threads)
+    holdout = draw_real(read_clouds(clouds).holdout, "holdout", classifier, options)
+    yardstick = _Yardstick(options, classifier, holdout, threads)
     reconstructions = _measure_reconstructions(folders, meshes, options)
     sections = {
         name: _measure_smoothing(folder, reconstructions[name], yardstick) for name, folder in folders.items()
@@ -98,7 +100,9 @@ def evaluate_real(
     section.add_distances(repaired.floor)
     section.add_means({"faces": repaired.faces, "manifold_edges": repaired.manifold})
     section.add_variety(repaired.samples, threads)
-    holdout, train = (draw_real(clouds, split, classifier, options) for split in ("holdout", "train"))
+    real = read_clouds(clouds)
+    holdout = draw_real(real.holdout, "holdout", classifier, options)
+    train = draw_real(real.train, "train", classifier, options)
     section.add_feature_distances(train.features, train.available, holdout)
     section.count("generated", len(repaired.faces), len(repaired.faces))
     identity = {"category": category, "model": "real"}
@@ -250,7 +254,9 @@ def _repaired_meshes(meshes: Sequence[Path]) -> Iterator[tuple[str, Surface]]:
 
 
 def _splits(catalogue: Path) -> dict[str, str]:
+    """Split of every shape that has a repaired mesh."""
     table = read_catalogue(catalogue)
+    table = table[table["status"].isin(["ok", "filled"])]
     return dict(zip(table["id"], table["split"], strict=True))
 
 

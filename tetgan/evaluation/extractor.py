@@ -17,7 +17,7 @@ from tetgan.models.pointnet2 import PointNet2, load_classifier
 from tetgan.shapes.clouds import read_clouds
 from tetgan.training.classifier import train_classifier
 
-log = logging.getLogger(__name__)
+_log = logging.getLogger(__name__)
 
 NOISE_LEVELS = (0.0, 0.01, 0.02, 0.04, 0.08)
 """Standard deviations of the noise, in sides of the unit cube."""
@@ -36,12 +36,14 @@ def train_extractor(
     """
     with whole_folder(out_folder) as folder:
         train_classifier(clouds, categories, options, folder)
-        reference, others = (_pool(clouds, split, options) for split in ("holdout", "train"))
+        found = [read_clouds(path) for path in clouds]
+        reference = _pool([each.holdout for each in found], options.noise_samples)
+        others = _pool([each.train for each in found], options.noise_samples)
         size = min(len(reference), len(others))
         curve = noise_curve(load_classifier(folder).network, reference[:size], others[:size], options.seed)
         curve.to_csv(folder / "noise.csv", index=False)
     if not curve["fid"].is_monotonic_increasing:
-        log.warning(
+        _log.warning(
             "the extractor's FID does not rise with noise: do not trust it (%s/noise.csv)", out_folder
         )
 
@@ -63,13 +65,12 @@ def noise_curve(
     rows = []
     for level in levels:
         noisy = cloud_features(clouds + np.float32(level) * noise, network, f"features at noise {level}")
-        distance = kid(clean, noisy, block=2, blocks=1, rng=rng)
+        distance = kid(clean, noisy, block=len(clean), blocks=1, rng=rng)
         rows.append({"noise": level, "fid": fid(clean, noisy), "kid": distance.value})
     return pd.DataFrame(rows)
 
 
-def _pool(clouds: Sequence[Path], split: str, options: ExtractorOptions) -> Float[np.ndarray, "N P 3"]:
-    """The same number of clouds of every category, one category after the other in turn."""
-    arrays = [read_clouds(path)[split] for path in clouds]
-    share = min(max(options.noise_samples // len(arrays), 2), *map(len, arrays))
+def _pool(arrays: Sequence[Float[np.ndarray, "_ P 3"]], samples: int) -> Float[np.ndarray, "N P 3"]:
+    """So many clouds, an equal share of every category, the categories taking turns."""
+    share = min(max(samples // len(arrays), 2), *map(len, arrays))
     return np.stack([array[:share] for array in arrays], axis=1).reshape(-1, *arrays[0].shape[1:])

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,7 +14,6 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.seeds import named_rng
 from tetgan.evaluation.variety import shapes_needed, variety
 from tetgan.models.pointnet2 import FEATURES, Classifier
-from tetgan.shapes.clouds import read_clouds
 
 
 class RealFeatures(NamedTuple):
@@ -26,9 +24,10 @@ class RealFeatures(NamedTuple):
     available: int
 
 
-def draw_real(clouds: Path, split: str, classifier: Classifier, options: EvaluationOptions) -> RealFeatures:
+def draw_real(
+    array: Float[np.ndarray, "N P 3"], split: str, classifier: Classifier, options: EvaluationOptions
+) -> RealFeatures:
     """Features of a split's clouds, drawn without replacement; the draw is the same for every model."""
-    array = read_clouds(clouds)[split]
     if len(array) < options.samples:
         return RealFeatures(None, array.shape[1], len(array))
     chosen = named_rng(options.seed, "clouds", split).choice(len(array), options.samples, replace=False)

@@ -86,7 +86,8 @@ def build_table(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, categ
         *IDENTITY,
         *(f"{m}{part}" for m in METRICS for part in ("", "_std", "_low", "_high", "_paper")),
     ]
-    return pd.DataFrame(rows, columns=columns)
+    table = pd.DataFrame(rows, columns=columns)
+    return table.astype(dict.fromkeys(("tets", "seeds", "n"), "Int64"))
 
 
 def _read_report(path: Path, category: str) -> dict[str, Any]:
@@ -113,7 +114,7 @@ def _row(members: Sequence[Mapping[str, Any]], smoothing: str, paper: Mapping[st
         "smoothing": None if real else smoothing,
         "simplified": None if real else bool(first.get("simplified", False)),
         "seeds": None if real else len(members),
-        "n": _mean(section["generated"]["found"] for section in sections),
+        "n": round(float(np.mean([section["generated"]["found"] for section in sections]))),
         "train_minutes": _mean(member.get("train_minutes") for member in members),
         "extractor": " ".join(sorted({member["extractor"]["digest"] for member in members})),
     }
@@ -135,6 +136,6 @@ def _cells(metric: str, estimates: Sequence[Mapping[str, Any]], printed: str | N
     }
 
 
-def _mean(values: Iterable[float | None]) -> float | None:
+def _mean(values: Iterable[float | int | None]) -> float | None:
     known = [value for value in values if value is not None]
     return float(np.mean(known)) if known else None

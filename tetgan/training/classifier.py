@@ -29,7 +29,7 @@ from tetgan.models.pointnet2 import (
 from tetgan.shapes.clouds import read_clouds
 from tetgan.training.extractor_options import ExtractorOptions
 
-log = logging.getLogger(__name__)
+_log = logging.getLogger(__name__)
 
 # Clouds prepared or classified at once outside training: buffers that stay in cache are several times faster.
 _CHUNK = 8
@@ -92,9 +92,9 @@ def read_splits(
     """
     chosen: dict[str, list[np.ndarray]] = {"train": [], "holdout": []}
     for path in clouds:
-        arrays = read_clouds(path)
-        for split, most in (("train", options.train), ("holdout", options.holdout)):
-            chosen[split].append(_choose(arrays[split], most, options.seed, path))
+        found = read_clouds(path)
+        chosen["train"].append(_choose(found.train, options.train, options.seed, path))
+        chosen["holdout"].append(_choose(found.holdout, options.holdout, options.seed, path))
     train, holdout = (_prepare(parts, device, split) for split, parts in chosen.items())
     return train, holdout
 
@@ -154,7 +154,7 @@ def _fit(
             loss, train_accuracy = _train_epoch(network, optimizer, train, options, generator)
             schedule.step()
             held_out = accuracy(network, holdout)
-            log.info(
+            _log.info(
                 "epoch %d: loss %.4f, accuracy %.3f, held out %.3f", epoch, loss, train_accuracy, held_out
             )
             rows.append(

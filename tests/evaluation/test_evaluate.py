@@ -1,0 +1,154 @@
+"""The two stages, on boxes whose measures are known."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from tetgan.errors import UserError
+from tetgan.evaluation.evaluate import evaluate_model, evaluate_real
+from tetgan.evaluation.options import EvaluationOptions, VarietyOptions
+from tetgan.shapes.archive import write_meshes
+
+OPTIONS = EvaluationOptions(points=1500, samples=4, variety=VarietyOptions(pairs=6, closest=2, repeats=2))
+IDS = ["a", "b", "c", "d", "e", "f"]
+
+
+def box(height: float) -> trimesh.Trimesh:
+    """A box of 0.5 by `height` by 0.5 that stands on y = 0.2."""
+    made = trimesh.creation.box((0.5, height, 0.5))
+    made.apply_translation((0.5, 0.2 + height / 2, 0.5))
+    return made
+
+
+@pytest.fixture(scope="module")
+def originals(tmp_path_factory):
+    """Two shards of repaired meshes and the catalogue that splits them."""
+    folder = tmp_path_factory.mktemp("data")
+    items = [(name, box(0.2 + 0.05 * i).vertices, box(0.2 + 0.05 * i).faces) for i, name in enumerate(IDS)]
+    records = [
+        {"id": name, "path": "", "sha256": "", "split": "", "status": "ok", "reason": ""} for name in IDS
+    ]
+    for part in range(2):
+        write_meshes(folder / f"{part}.zip", items[part::2], records[part::2])
+    table = pd.DataFrame(records)
+    table["split"] = ["validation", "validation", "train", "train", "train", "train"]
+    table.to_csv(folder / "catalogue.csv", index=False)
+    return [folder / "0.zip", folder / "1.zip"], folder / "catalogue.csv"
+
+
+@pytest.fixture(scope="module")
+def samples(tmp_path_factory):
+    """Reconstructions of `a` (perfect) and `b` (missing), five generated boxes, one of them empty."""
+    root = tmp_path_factory.mktemp("samples")
+    for name in ("none", "wls"):
+        rows = []
+        for kind, ids in (("generated", ["0", "1", "2", "3", "4", "5"]), ("reconstructed", ["a", "b"])):
+            (root / name / kind).mkdir(parents=True)
+            for i, shape_id in enumerate(ids):
+                made = shape_id not in ("b", "5")
+                if made:
+                    box(0.2 + 0.05 * i).export(root / name / kind / f"{shape_id}.ply")
+                iou = 0.75 if kind == "reconstructed" else None
+                rows.append(
+                    {"set": kind, "id": shape_id, "iou": iou, "tets": 8 * made, "inverted_tets": 2 * made}
+                )
+        pd.DataFrame(rows).to_csv(root / name / "certificate.csv", index=False)
+    (root / "about.json").write_text(json.dumps({"tets": 1536, "train_minutes": 2.5}))
+    return root
+
+
+def run_model(samples, originals, clouds, extractor, out, *, options=OPTIONS):
+    identity = {"category": "slab", "model": "tetgan-LR", "grid": "LR", "mode": "paper", "seed": 0}
+    evaluate_model(samples, originals[0], clouds[0], extractor, options=options, identity=identity, out=out)
+    return json.loads(out.read_text())
+
+
+@pytest.fixture(scope="module")
+def report(samples, originals, clouds, extractor, tmp_path_factory):
+    return run_model(samples, originals, clouds, extractor, tmp_path_factory.mktemp("out") / "metrics.json")
+
+
+def test_identity_comes_with_the_samples_own_account(report):
+    assert report["model"] == "tetgan-LR"
+    assert (report["tets"], report["train_minutes"]) == (1536, 2.5)
+    assert len(report["extractor"]["digest"]) == 12
+    assert set(report["smoothings"]) == {"none", "wls"}
+
+
+def test_missing_and_empty_meshes_are_counted(report):
+    section = report["smoothings"]["none"]
+    assert section["generated"] == {"expected": 6, "found": 5}
+    assert section["reconstructed"] == {"expected": 2, "found": 1}
+    assert section["metrics"]["chamfer"]["n"] == 1
+
+
+def test_a_perfect_reconstruction_measures_the_noise_floor(report):
+    metrics = report["smoothings"]["none"]["metrics"]
+    # Area of the box over (pi n), both ways; borders are shared by faces, so nothing is added.
+    area = 2 * 0.25 + 4 * 0.5 * 0.2
+    assert metrics["chamfer"]["value"] == pytest.approx(2 * area / (np.pi * OPTIONS.points), rel=0.1)
+    assert metrics["normal_consistency"]["value"] > 0.95
+    assert metrics["faces"]["value"] == 12
+    assert metrics["manifold_edges"]["value"] == 1
+    assert metrics["iou"]["value"] == 0.75
+    assert metrics["inverted_tets"]["value"] == 0.25
+
+
+def test_fid_and_kid_are_measured_at_the_same_n_and_warn(report):
+    section = report["smoothings"]["none"]
+    assert section["metrics"]["fid"]["n"] == section["metrics"]["kid"]["n"] == 4
+    assert section["metrics"]["fid"]["value"] > 0
+    assert any("FID at N = 4" in note for note in section["notes"])
+
+
+def test_the_same_inputs_give_the_same_bytes(samples, originals, clouds, extractor, tmp_path):
+    for name in ("one", "two"):
+        run_model(samples, originals, clouds, extractor, tmp_path / name)
+    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+
+
+def test_too_few_samples_leave_metrics_empty(samples, originals, clouds, extractor, tmp_path):
+    options = OPTIONS.model_copy(update={"samples": 6, "variety": VarietyOptions(pairs=20, closest=2)})
+    section = run_model(samples, originals, clouds, extractor, tmp_path / "m.json", options=options)[
+        "smoothings"
+    ]["wls"]
+    for metric in ("variety", "fid", "kid"):
+        assert section["metrics"][metric]["value"] is None
+    assert section["notes"] == [
+        "variety needs 7 surfaces and has 5",
+        "FID and KID need 6 surfaces on each side and have 5, 8",
+    ]
+
+
+def test_nothing_generated_nor_reconstructed_is_not_an_error(originals, clouds, extractor, tmp_path):
+    (tmp_path / "samples" / "none").mkdir(parents=True)
+    report = run_model(tmp_path / "samples", originals, clouds, extractor, tmp_path / "m.json")
+    metrics = report["smoothings"]["none"]["metrics"]
+    assert {estimate["value"] for estimate in metrics.values()} == {None}
+    assert report["smoothings"]["none"]["generated"] == {"expected": 0, "found": 0}
+
+
+def test_no_samples_at_all_is_an_error(originals, clouds, extractor, tmp_path):
+    with pytest.raises(UserError, match="no samples"):
+        run_model(tmp_path, originals, clouds, extractor, tmp_path / "m.json")
+
+
+def test_real_shapes_measure_their_own_floor(originals, clouds, extractor, tmp_path):
+    shards, catalogue = originals
+    out = tmp_path / "real.json"
+    evaluate_real(shards, catalogue, clouds[0], extractor, options=OPTIONS, category="slab", out=out)
+    report = json.loads(out.read_text())
+    assert (report["category"], report["model"]) == ("slab", "real")
+    section = report["smoothings"]["none"]
+    assert section["generated"] == {"expected": 6, "found": 6}
+    assert section["metrics"]["chamfer"]["n"] == 2  # the validation meshes
+    assert section["metrics"]["variety"]["n"] == 4  # the training meshes
+    area = 0.5 + 4 * 0.5 * 0.225
+    assert section["metrics"]["chamfer"]["value"] == pytest.approx(
+        2 * area / (np.pi * OPTIONS.points), rel=0.1
+    )
+    assert section["metrics"]["faces"] == {"value": 12, "low": 12, "high": 12, "n": 6, "std": None}
+    assert section["metrics"]["fid"]["n"] == 4
