@@ -16,7 +16,7 @@ def cut_solid(
     vertices: Float[np.ndarray, "V 3"],
     tets: Int[np.ndarray, "T 4"],
     normal: Float[np.ndarray, "3"],
-    offset: float,
+    offset: float | int,
 ) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"], Float[np.ndarray, "F 3"]]:
     """Surface of the tets whose centroids lie behind a plane, with a colour a face for `render_mesh`.
 

@@ -51,10 +51,10 @@ def render_mesh(
     faces: Int[np.ndarray, "F 3"],
     *,
     size: tuple[int, int] = (400, 400),
-    azimuth: float = 35.0,
-    elevation: float = 20.0,
+    azimuth: float | int = 35.0,
+    elevation: float | int = 20.0,
     colors: Float[np.ndarray, "F 3"] | tuple[float, float, float] = STEEL,
-    span: float | None = None,
+    span: float | int | None = None,
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Shaded orthographic picture on white.
 
@@ -91,9 +91,9 @@ def render_mesh(
 def _place_camera(
     points: Float[np.ndarray, "V 3"],
     size: tuple[int, int],
-    azimuth: float,
-    elevation: float,
-    span: float | None,
+    azimuth: float | int,
+    elevation: float | int,
+    span: float | int | None,
 ) -> _Camera:
     turn, rise = np.radians(azimuth), np.radians(elevation)
     back = np.array([np.sin(turn) * np.cos(rise), np.sin(rise), np.cos(turn) * np.cos(rise)])

@@ -5,10 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
-from numpy.typing import ArrayLike
 
 from tetgan.shapes.builtin.draws import between, chance, pick, whole
-from tetgan.shapes.builtin.parts import SQUARE, Part, ellipse, loft, panel, sheet, sweep, tube
+from tetgan.shapes.builtin.parts import SQUARE, Part, Varying, ellipse, loft, panel, sheet, sweep, tube
 
 OVERLAP = 0.03  # metres a back reaches below the top of its seat
 
@@ -30,7 +29,7 @@ class BackPlane:
     bow: float = 0.0
     flare: float = 1.0
 
-    def point(self, u: ArrayLike, s: ArrayLike) -> Float[np.ndarray, "*shape 3"]:
+    def point(self, u: Varying, s: Varying) -> Float[np.ndarray, "*shape 3"]:
         u, s = np.broadcast_arrays(np.asarray(u, dtype=float), np.asarray(s, dtype=float))
         lean = np.radians(self.tilt)
         x = u * self.width / 2 * (1 + (self.flare - 1) * s)
@@ -38,9 +37,7 @@ class BackPlane:
         z = self.z - s * self.height * np.sin(lean) - self.sway * s**2 - self.bow * (1 - u**2)
         return np.stack([x, y, z], axis=-1)
 
-    def grid(
-        self, u: ArrayLike, low: ArrayLike, high: ArrayLike, rows: int = 9
-    ) -> Float[np.ndarray, "N M 3"]:
+    def grid(self, u: Varying, low: Varying, high: Varying, rows: int = 9) -> Float[np.ndarray, "N M 3"]:
         """Points between two curves `low(u)` and `high(u)`, rows across so that faces look forward."""
         u = np.asarray(u, dtype=float)
         low, high = np.broadcast_to(low, u.shape), np.broadcast_to(high, u.shape)

@@ -56,7 +56,7 @@ def _park(rng: np.random.Generator) -> tuple[list[Part], str]:
         height=between(rng, 0.34, 0.48),
         seat=top.height,
         z=-top.depth / 2 - 0.01,
-        tilt=between(rng, 8, 22),
+        tilt=between(rng, 8.0, 22.0),
     )
     rungs = whole(rng, 2, 4)
     parts = [*tops.long_boards(top, whole(rng, 3, 5)), *_park_back(rng, plane, rungs, top.thick)]
@@ -125,8 +125,8 @@ def _garden(rng: np.random.Generator) -> tuple[list[Part], str]:
         height=between(rng, 0.36, 0.56),
         seat=top.height,
         z=-top.depth / 2 + leg / 2,
-        tilt=between(rng, 4, 14),
-        bow=between(rng, 0, 0.06),
+        tilt=between(rng, 4.0, 14.0),
+        bow=between(rng, 0.0, 0.06),
     )
     back, make_back = pick_from(rng, _GARDEN_BACKS)
     stand, make_stand = pick_from(rng, _GARDEN_STANDS)
@@ -235,7 +235,7 @@ def _blocks(rng: np.random.Generator, kind: str, top: Top, bend: float) -> list[
 def _pew(rng: np.random.Generator) -> tuple[list[Part], str]:
     """Church pew: shaped boards at both ends, solid seat and back."""
     width, depth, seat = between(rng, 1.2, 2.0), between(rng, 0.45, 0.58), between(rng, 0.42, 0.48)
-    tall, tilt, board = between(rng, 0.42, 0.56), between(rng, 4, 14), between(rng, 0.045, 0.07)
+    tall, tilt, board = between(rng, 0.42, 0.56), between(rng, 4.0, 14.0), between(rng, 0.045, 0.07)
     inner = width - board
     plane = backs.BackPlane(inner, tall, seat, -depth / 2 + 0.05, tilt)
     low = -0.95 * seat / tall if chance(rng, 0.4) else -0.1
@@ -270,7 +270,7 @@ def _storage(rng: np.random.Generator) -> tuple[list[Part], str]:
         height=between(rng, 0.38, 0.6),
         seat=top.height,
         z=-top.depth / 2 + 0.03,
-        tilt=between(rng, 0, 6),
+        tilt=between(rng, 0.0, 6.0),
     )
     back, make_back = pick_from(
         rng,

@@ -132,7 +132,7 @@ def _back_plane(rng: np.random.Generator, frame: Frame) -> backs.BackPlane:
         height=frame.back,
         seat=frame.seat,
         z=-frame.depth / 2 * frame.reach + frame.leg * 0.5,
-        tilt=between(rng, 2, 14),
+        tilt=between(rng, 2.0, 14.0),
         sway=between(rng, -0.02, 0.06),
         bow=between(rng, 0.02, 0.09) if chance(rng, 0.65) else 0.0,
         flare=between(rng, 0.85, 1.15),

@@ -53,7 +53,7 @@ def shell_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
         bend=between(rng, 0.40, 0.52),
     )
     grid = _shell_surface(sizes)
-    shell = sheet(grid) if chance(rng, 0.12) else panel(grid, between(rng, 0.022, 0.045))
+    shell = sheet(grid) if chance(rng, 0.3) else panel(grid, between(rng, 0.022, 0.045))
     support, make_support = pick_from(rng, _SHELL_SUPPORTS)
     foot = supports.Footprint(width * 0.8, sizes.depth * 0.8, sizes.seat - 0.02, between(rng, 0.035, 0.06))
     plate = box((foot.width, 0.03, foot.depth), (0, sizes.seat - 0.015, 0))
@@ -117,7 +117,7 @@ def _club_sizes(rng: np.random.Generator) -> Settee:
         back_top=seat + between(rng, 0.36, 0.64),
         thick=between(rng, 0.13, 0.2),
         soft=between(rng, 0.015, 0.06),
-        tilt=between(rng, 2, 12),
+        tilt=between(rng, 2.0, 12.0),
     )
 
 
@@ -153,7 +153,8 @@ def tub_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
 
 def _wrapped_wall(rng: np.random.Generator, radius: float, base: float) -> Part:
     """Wall about the seat, highest behind."""
-    sweep, high, low = np.radians(between(rng, 105, 140)), between(rng, 0.66, 0.95), between(rng, 0.50, 0.66)
+    sweep = np.radians(between(rng, 105.0, 140.0))
+    high, low = between(rng, 0.66, 0.95), between(rng, 0.50, 0.66)
     angle, s = np.linspace(-sweep, sweep, 25)[:, None], np.linspace(0, 1, 6)
     top = low + (high - low) * (0.5 + 0.5 * np.cos(angle / sweep * np.pi)) ** between(rng, 0.5, 1.5)
     spread = radius * (1 + between(rng, 0.0, 0.22) * s)
@@ -174,7 +175,7 @@ def plank_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
         height=between(rng, 0.58, 0.82),
         seat=front - slope,
         z=-depth / 2,
-        tilt=between(rng, 12, 28),
+        tilt=between(rng, 12.0, 28.0),
         flare=between(rng, 0.9, 1.3),
     )
     parts = [
@@ -221,7 +222,7 @@ def reclined_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
     """Two long cushions, sloping and leaning, on a wooden frame."""
     width, depth, seat = between(rng, 0.52, 0.66), between(rng, 0.55, 0.7), between(rng, 0.36, 0.44)
     thick, tall, leg = between(rng, 0.09, 0.15), between(rng, 0.5, 0.72), between(rng, 0.045, 0.07)
-    slope, lean = between(rng, 4, 11), between(rng, 14, 26)
+    slope, lean = between(rng, 4.0, 11.0), between(rng, 14.0, 26.0)
     knee = (0.0, seat, depth / 2)
     cushion = rounded_box((width, thick, depth), (0, seat - thick / 2, 0), 0.04, bulge=(0, 0.015, 0))
     back = rounded_box(

@@ -10,7 +10,12 @@ from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Float, Int
-from numpy.typing import ArrayLike
+
+from tetgan.shapes.builtin.draws import Real
+
+Vector = Sequence[Real] | np.ndarray  # one point, direction or triple of sizes
+Points = Sequence[Sequence[Real] | np.ndarray] | np.ndarray
+Varying = Real | Sequence[Real] | np.ndarray  # one number, or one at each place
 
 ROUND_SIDES = 12
 SQUARE: Float[np.ndarray, "4 2"] = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
@@ -23,15 +28,15 @@ class Part:
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
 
-    def moved(self, offset: ArrayLike) -> "Part":
+    def moved(self, offset: Vector) -> "Part":
         return Part(self.vertices + np.asarray(offset, dtype=float), self.faces)
 
-    def rotated(self, axis: str, degrees: float, about: ArrayLike = (0.0, 0.0, 0.0)) -> "Part":
+    def rotated(self, axis: str, degrees: Real, about: Vector = (0.0, 0.0, 0.0)) -> "Part":
         """Turned counterclockwise about the line through `about` along a coordinate axis."""
         pivot = np.asarray(about, dtype=float)
         return Part((self.vertices - pivot) @ _rotation(axis, degrees).T + pivot, self.faces)
 
-    def twisted(self, degrees: float) -> "Part":
+    def twisted(self, degrees: Real) -> "Part":
         """Turned about the y axis by an angle that grows with height, `degrees` a metre."""
         angle = np.radians(degrees) * self.vertices[:, 1]
         cosine, sine = np.cos(angle), np.sin(angle)
@@ -60,7 +65,7 @@ def with_mirror(parts: Sequence[Part]) -> list[Part]:
 # --- outlines -----------------------------------------------------------------------------------------------
 
 
-def ellipse(sides: int = ROUND_SIDES, exponent: float = 2.0) -> Float[np.ndarray, "S 2"]:
+def ellipse(sides: int = ROUND_SIDES, exponent: Real = 2.0) -> Float[np.ndarray, "S 2"]:
     """Unit superellipse, counterclockwise: 2 is a circle, 4 a rounded square, larger is squarer."""
     angle = 2 * np.pi * (np.arange(sides) + 0.5) / sides
     circle = np.stack([np.cos(angle), np.sin(angle)], axis=1)
@@ -68,7 +73,7 @@ def ellipse(sides: int = ROUND_SIDES, exponent: float = 2.0) -> Float[np.ndarray
 
 
 def outline(
-    width: float, depth: float, *, exponent: float | None = None, taper: float = 1.0, sides: int = 28
+    width: Real, depth: Real, *, exponent: Real | None = None, taper: Real = 1.0, sides: int = 28
 ) -> Float[np.ndarray, "S 2"]:
     """Plan of a seat or a table top in (x, z), centred, counterclockwise seen from above.
 
@@ -107,7 +112,7 @@ def loft(
     return Part(np.concatenate(vertices), np.concatenate(faces))
 
 
-def box(size: ArrayLike, centre: ArrayLike) -> Part:
+def box(size: Vector, centre: Vector) -> Part:
     """Axis-aligned box of the given edge lengths."""
     corners, faces = _cube_grid(2)
     half = np.asarray(size, dtype=float) / 2
@@ -115,7 +120,7 @@ def box(size: ArrayLike, centre: ArrayLike) -> Part:
 
 
 def rounded_box(
-    size: ArrayLike, centre: ArrayLike, radius: float, *, bulge: ArrayLike = (0.0, 0.0, 0.0), steps: int = 2
+    size: Vector, centre: Vector, radius: Real, *, bulge: Vector = (0.0, 0.0, 0.0), steps: int = 2
 ) -> Part:
     """Box with rounded edges; `bulge` swells each pair of faces outwards, as stuffing does a cushion."""
     half = np.asarray(size, dtype=float) / 2
@@ -137,11 +142,11 @@ def rounded_box(
 
 def slab(
     plan: Float[np.ndarray, "S 2"],
-    bottom: float,
-    top: float,
+    bottom: Real,
+    top: Real,
     *,
-    edge: float = 0.0,
-    centre: ArrayLike = (0.0, 0.0),
+    edge: Real = 0.0,
+    centre: Vector = (0.0, 0.0),
 ) -> Part:
     """Horizontal plate over a plan in (x, z), its rims bevelled by `edge` metres."""
     x, z = np.asarray(centre, dtype=float)
@@ -161,11 +166,11 @@ def slab(
 
 
 def sweep(
-    path: ArrayLike,
+    path: Points,
     section: Float[np.ndarray, "S 2"],
-    scale: ArrayLike = 1.0,
+    scale: Varying = 1.0,
     *,
-    up: ArrayLike | None = None,
+    up: Vector | None = None,
     capped: bool = True,
 ) -> Part:
     """A section carried along a path (N, 3), its second axis kept towards `up`.
@@ -191,13 +196,13 @@ def sweep(
 
 
 def bar(
-    start: ArrayLike,
-    end: ArrayLike,
-    thickness: ArrayLike,
+    start: Vector,
+    end: Vector,
+    thickness: Varying,
     *,
     square: bool = False,
-    taper: float = 1.0,
-    up: ArrayLike | None = None,
+    taper: Real = 1.0,
+    up: Vector | None = None,
 ) -> Part:
     """Straight rod; `thickness` is full, one number or (first, second) axis; `taper` is end over start."""
     half = np.broadcast_to(np.asarray(thickness, dtype=float) / 2, (2,))
@@ -205,15 +210,15 @@ def bar(
     return sweep(np.array([start, end], dtype=float), section * half, np.array([1.0, taper]), up=up)
 
 
-def tube(path: ArrayLike, thickness: ArrayLike, *, square: bool = False, up: ArrayLike | None = None) -> Part:
+def tube(path: Points, thickness: Varying, *, square: bool = False, up: Vector | None = None) -> Part:
     """Rod along a smooth path; `thickness` is full, a number or (N,)."""
     return sweep(path, SQUARE if square else ellipse(), np.asarray(thickness, dtype=float) / 2, up=up)
 
 
 def lathe(
-    profile: ArrayLike,
+    profile: Points,
     *,
-    centre: ArrayLike = (0.0, 0.0, 0.0),
+    centre: Vector = (0.0, 0.0, 0.0),
     section: Float[np.ndarray, "S 2"] | None = None,
     cap_end: bool = True,
 ) -> Part:
@@ -227,7 +232,7 @@ def lathe(
     return loft(rings + np.asarray(centre, dtype=float), cap_end=cap_end)
 
 
-def panel(grid: Float[np.ndarray, "N M 3"], thickness: float) -> Part:
+def panel(grid: Float[np.ndarray, "N M 3"], thickness: Real) -> Part:
     """Closed shell of a thickness about a surface sampled on a grid."""
     rows, columns = grid.shape[:2]
     normal = _grid_normals(grid) * thickness / 2
@@ -249,7 +254,7 @@ def sheet(grid: Float[np.ndarray, "N M 3"]) -> Part:
 # --- private ------------------------------------------------------------------------------------------------
 
 
-def _rotation(axis: str, degrees: float) -> Float[np.ndarray, "3 3"]:
+def _rotation(axis: str, degrees: Real) -> Float[np.ndarray, "3 3"]:
     i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
     cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     matrix = np.eye(3)

@@ -2,14 +2,13 @@
 
 import numpy as np
 from jaxtyping import Float
-from numpy.typing import ArrayLike
 
 from tetgan.shapes.builtin import supports
 from tetgan.shapes.builtin import upholstery as soft
 from tetgan.shapes.builtin.arms import ArmRoom, post_arms
 from tetgan.shapes.builtin.backs import BackPlane, ladder_back, slatted_back
 from tetgan.shapes.builtin.draws import between, chance, pick, pick_from, whole
-from tetgan.shapes.builtin.parts import Part, box, panel, rounded_box, with_mirror
+from tetgan.shapes.builtin.parts import Part, Varying, box, panel, rounded_box, with_mirror
 from tetgan.shapes.builtin.upholstery import Settee
 
 ARMS = {"block-arms": soft.block_arms, "rolled-arms": soft.rolled_arms, "sloped-arms": soft.sloped_arms}
@@ -33,7 +32,7 @@ def _settee(rng: np.random.Generator) -> Settee:
         back_top=back,
         thick=between(rng, 0.14, 0.24),
         soft=between(rng, 0.015, 0.08),
-        tilt=between(rng, 0, 9),
+        tilt=between(rng, 0.0, 9.0),
     )
 
 
@@ -138,7 +137,7 @@ def _wooden(rng: np.random.Generator) -> tuple[list[Part], str]:
         back_top=seat + between(rng, 0.36, 0.5),
         thick=0.06,
         soft=0.03,
-        tilt=between(rng, 8, 18),
+        tilt=between(rng, 8.0, 18.0),
     )
     rear, front = -settee.depth / 2, settee.depth / 2
     plane = BackPlane(settee.width - leg, settee.back_top - seat, seat - pad, rear + leg / 2, settee.tilt)
@@ -158,7 +157,7 @@ def _wooden(rng: np.random.Generator) -> tuple[list[Part], str]:
 def _curved(rng: np.random.Generator) -> tuple[list[Part], str]:
     """A segment of a ring, its back outside."""
     radius, depth = between(rng, 1.0, 1.5), between(rng, 0.68, 0.85)
-    angle = np.radians(between(rng, 36, 62)) * np.linspace(-1, 1, 25)
+    angle = np.radians(between(rng, 36.0, 62.0)) * np.linspace(-1, 1, 25)
     seat, floor, thick = between(rng, 0.38, 0.45), between(rng, 0.04, 0.14), between(rng, 0.15, 0.22)
     parts = [
         _ring_slab(angle, (radius - depth, radius), (floor, seat - 0.12)),
@@ -170,9 +169,9 @@ def _curved(rng: np.random.Generator) -> tuple[list[Part], str]:
     return [part.moved((0, 0, depth / 2 - radius)) for part in parts], "curved/feet/wrapped"
 
 
-def _on_ring(angle: ArrayLike, radius: ArrayLike) -> tuple[Float[np.ndarray, "*s"], Float[np.ndarray, "*s"]]:
-    """(x, z) on circles about the origin; angle 0 is the rear."""
-    return -np.sin(angle) * np.asarray(radius), -np.cos(angle) * np.asarray(radius)
+def _on_ring(angle: Varying, radius: Varying) -> Float[np.ndarray, "2 *shape"]:
+    """x and z on circles about the origin; angle 0 is the rear."""
+    return -np.stack([np.sin(angle), np.cos(angle)]) * radius
 
 
 def _ring_slab(
@@ -212,7 +211,7 @@ def _daybed(rng: np.random.Generator) -> tuple[list[Part], str]:
         box((width, 0.07, depth), (0, seat - pad - 0.02, 0)),
     ]
     end = rounded_box((0.16, between(rng, 0.3, 0.42), depth), (width / 2 - 0.05, seat + 0.12, 0), 0.06)
-    end = end.rotated("z", -between(rng, 5, 25), (width / 2, seat, 0))
+    end = end.rotated("z", -between(rng, 5.0, 25.0), (width / 2, seat, 0))
     ends = pick(rng, {"one-end": 1, "two-ends": 1})
     parts += [end] if ends == "one-end" else with_mirror([end])
     if chance(rng, 0.5):

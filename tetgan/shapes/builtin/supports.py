@@ -138,7 +138,7 @@ def star_pedestal(rng: np.random.Generator, foot: Footprint) -> list[Part]:
             section=ellipse(14),
         )
     ]
-    start = between(rng, 0, 2 * np.pi / spokes) if chance(rng, 0.3) else np.pi / 2
+    start = between(rng, 0.0, 2 * np.pi / spokes) if chance(rng, 0.3) else np.pi / 2
     for angle in start + 2 * np.pi * np.arange(spokes) / spokes:
         direction = np.array([np.cos(angle), 0.0, np.sin(angle)])
         tip = direction * reach + [0, low + thick / 2, 0]
@@ -190,7 +190,7 @@ def disc_pedestal(rng: np.random.Generator, foot: Footprint) -> list[Part]:
     section = ellipse(28) if plan == "round" else ellipse(28, 8.0)
     if chance(rng, 0.45):
         t = np.linspace(0, 1, 9)
-        flow = column + (radius - column) * (1 - t) ** between(rng, 3, 6) + column * 0.9 * t**6
+        flow = column + (radius - column) * (1 - t) ** between(rng, 3.0, 6.0) + column * 0.9 * t**6
         return [
             lathe(np.stack([np.r_[radius, flow], np.r_[0, plate + t * (top - plate)]], 1), section=section)
         ]

@@ -77,6 +77,9 @@ def _top(rng: np.random.Generator, shape: str, top: Top) -> list[Part]:
         return tops.boarded_top(top, whole(rng, 4, 6))
     if shape == "glass":
         return tops.glass_top(top)
+    if shape == "octagon":
+        plan = outline(top.width, top.depth, exponent=2.0, sides=8)
+        return [slab(plan, top.under, top.height, edge=top.thick * between(rng, 0.0, 0.45))]
     exponents = {"rectangle": None, "square": None, "oval": 2.0, "round": 2.0}
     return tops.shaped_top(rng, top, exponents.get(shape, between(rng, 4.0, 9.0)))
 
@@ -112,10 +115,7 @@ def _centred(rng: np.random.Generator) -> tuple[list[Part], str]:
     longest = max(width, height)
     depth = width * (between(rng, 0.6, 0.85) if shape == "rounded" else 1.0)
     top = Top(width, depth, height, longest * between(rng, 0.03, 0.07))
-    if shape == "octagon":
-        parts = [slab(ellipse(8) * width / 2, top.under, height, edge=top.thick * between(rng, 0.0, 0.45))]
-    else:
-        parts = _top(rng, shape, top)
+    parts = _top(rng, shape, top)
     stand, make_stand = pick_from(rng, _MIDDLES)
     foot = Footprint(width * 0.8, depth * 0.8, top.under, longest * between(rng, 0.05, 0.08))
     return parts + make_stand(rng, foot), f"{use}-{shape}/{stand}"

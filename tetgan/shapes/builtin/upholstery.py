@@ -59,7 +59,7 @@ def back_cushions(rng: np.random.Generator, settee: Settee, count: int) -> list[
     tall = settee.back_top - settee.seat + between(rng, -0.06, 0.05)
     thick = between(rng, 0.12, 0.18)
     middle = (settee.seat - 0.02 + tall / 2, -settee.depth / 2 + settee.thick + thick * 0.3)
-    lean = settee.tilt + between(rng, 2, 8)
+    lean = settee.tilt + between(rng, 2.0, 8.0)
     return [
         rounded_box((width * 0.98, tall, thick), (x, *middle), 0.05, bulge=(0, 0.015, 0.035)).rotated(
             "x", -lean, settee.hinge
@@ -159,7 +159,7 @@ def throw_pillows(rng: np.random.Generator, settee: Settee) -> list[Part]:
     """One or two loose pillows in the corners."""
     edge = between(rng, 0.32, 0.42)
     pillow = rounded_box((edge, edge, 0.1), (0, 0, 0), 0.045, bulge=(0, 0, 0.04))
-    pillow = pillow.rotated("x", -between(rng, 15, 25)).rotated("y", -between(rng, 10, 35))
+    pillow = pillow.rotated("x", -between(rng, 15.0, 25.0)).rotated("y", -between(rng, 10.0, 35.0))
     x = settee.inner / 2 - edge * 0.55
     placed = pillow.moved((x, settee.seat + edge * 0.5, -settee.depth / 2 + settee.thick + 0.2))
     return with_mirror([placed]) if chance(rng, 0.5) else [placed]

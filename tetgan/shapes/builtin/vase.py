@@ -7,9 +7,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from tetgan.shapes.builtin.draws import between, chance, pick, pick_from, whole
+from tetgan.shapes.builtin.draws import Real, between, chance, pick, pick_from, whole
 from tetgan.shapes.builtin.parts import Part, ellipse, lathe, tube, with_mirror
 
+Controls = list[tuple[Real, Real]]  # height share and radius over height, smooth in between
 LEVELS = 33
 
 
@@ -34,7 +35,7 @@ def make_vase(rng: np.random.Generator) -> tuple[list[Part], str]:
     vessel = _vessel(rng, body, wall)
     if cut in ("lobed", "square") and chance(rng, 0.35):
         cut += "-twisted"
-        vessel = vessel.twisted(between(rng, 30, 140) * pick(rng, {1: 1, -1: 1}))
+        vessel = vessel.twisted(between(rng, 30.0, 140.0) * pick(rng, {1: 1, -1: 1}))
     extras = {
         extra: make(rng, body)
         for extra, make in EXTRAS.items()
@@ -53,10 +54,10 @@ def _likelihood(extra: str, name: str, wall: str) -> float:
     return {"jug": 0.9}.get(name, 0.0) if extra == "handle" else 0.2
 
 
-# --- silhouettes: (height share, radius over height) control points, smooth in between ----------------------
+# --- silhouettes --------------------------------------------------------------------------------------------
 
 
-def _ovoid(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _ovoid(rng: np.random.Generator) -> Controls:
     belly, at = between(rng, 0.24, 0.38), between(rng, 0.5, 0.72)
     neck = belly * between(rng, 0.35, 0.6)
     return [
@@ -67,7 +68,7 @@ def _ovoid(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _bottle(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _bottle(rng: np.random.Generator) -> Controls:
     belly, neck = between(rng, 0.2, 0.33), between(rng, 0.055, 0.1)
     start = between(rng, 0.45, 0.65)
     return [
@@ -79,12 +80,12 @@ def _bottle(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _cylinder(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _cylinder(rng: np.random.Generator) -> Controls:
     foot, lip = between(rng, 0.14, 0.3), between(rng, 0.85, 1.35)
     return [(0, foot), (0.5, foot * (1 + lip) / 2 * between(rng, 0.9, 1.1)), (1, foot * lip)]
 
 
-def _trumpet(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _trumpet(rng: np.random.Generator) -> Controls:
     slim = between(rng, 0.07, 0.12)
     return [
         (0, slim * between(rng, 1.6, 2.4)),
@@ -95,7 +96,7 @@ def _trumpet(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _gourd(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _gourd(rng: np.random.Generator) -> Controls:
     low, high = between(rng, 0.24, 0.34), between(rng, 0.13, 0.22)
     waist = high * between(rng, 0.4, 0.65)
     return [
@@ -108,7 +109,7 @@ def _gourd(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _amphora(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _amphora(rng: np.random.Generator) -> Controls:
     belly, neck = between(rng, 0.22, 0.33), between(rng, 0.08, 0.13)
     return [
         (0, belly * 0.45),
@@ -120,7 +121,7 @@ def _amphora(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _urn(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _urn(rng: np.random.Generator) -> Controls:
     bowl, stem = between(rng, 0.26, 0.4), between(rng, 0.08, 0.13)
     return [
         (0, bowl * between(rng, 0.55, 0.8)),
@@ -133,7 +134,7 @@ def _urn(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _pear(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _pear(rng: np.random.Generator) -> Controls:
     belly, neck = between(rng, 0.26, 0.38), between(rng, 0.09, 0.16)
     return [
         (0, belly * 0.65),
@@ -143,7 +144,7 @@ def _pear(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _bowl(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _bowl(rng: np.random.Generator) -> Controls:
     rim = between(rng, 0.45, 0.72)
     return [
         (0, rim * between(rng, 0.3, 0.5)),
@@ -153,7 +154,7 @@ def _bowl(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _globe(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _globe(rng: np.random.Generator) -> Controls:
     belly, mouth = between(rng, 0.42, 0.55), between(rng, 0.4, 0.65)
     return [
         (0, belly * 0.5),
@@ -165,7 +166,7 @@ def _globe(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _jar(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _jar(rng: np.random.Generator) -> Controls:
     belly = between(rng, 0.28, 0.4)
     return [
         (0, belly * 0.72),
@@ -176,7 +177,7 @@ def _jar(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _tulip(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _tulip(rng: np.random.Generator) -> Controls:
     cup = between(rng, 0.2, 0.32)
     return [
         (0, cup * 0.6),
@@ -186,7 +187,7 @@ def _tulip(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-def _cone(rng: np.random.Generator) -> list[tuple[float, float]]:
+def _cone(rng: np.random.Generator) -> Controls:
     rim, foot = between(rng, 0.22, 0.38), between(rng, 0.06, 0.12)
     return [
         (0, foot * between(rng, 1.4, 2.4)),
@@ -197,7 +198,7 @@ def _cone(rng: np.random.Generator) -> list[tuple[float, float]]:
     ]
 
 
-SILHOUETTES: dict[str, tuple[Callable[[np.random.Generator], list[tuple[float, float]]], float]] = {
+SILHOUETTES: dict[str, tuple[Callable[[np.random.Generator], Controls], float]] = {
     "ovoid": (_ovoid, 3),
     "bottle": (_bottle, 3),
     "cylinder": (_cylinder, 2.5),
@@ -216,7 +217,7 @@ SILHOUETTES: dict[str, tuple[Callable[[np.random.Generator], list[tuple[float, f
 
 
 def _curve(
-    rng: np.random.Generator, controls: list[tuple[float, float]]
+    rng: np.random.Generator, controls: Controls
 ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
     """Heights 0..1 and radii through the control points, perhaps rippled."""
     at, radius = np.array(controls, dtype=float).T
@@ -296,7 +297,7 @@ def _bands(rng: np.random.Generator, body: Body) -> list[Part]:
 
 def _lid(rng: np.random.Generator, body: Body) -> list[Part]:
     """A dome with a knob."""
-    rise, wide = between(rng, 0.06, 0.16), body.at(1) * between(rng, 1.05, 1.25)
+    rise, wide = between(rng, 0.06, 0.16), body.at(1.0) * between(rng, 1.05, 1.25)
     t, s = np.linspace(0, 0.42 * np.pi, 6), np.linspace(0.15, np.pi - 0.15, 7)
     dome = np.stack([np.r_[wide, wide * np.cos(t)], np.r_[0.98, 1.02 + rise * np.sin(t)]], axis=1)
     knob = np.stack([0.05 * np.sin(s), 1.02 + rise + 0.03 - 0.05 * np.cos(s)], axis=1)
