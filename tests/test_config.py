@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from snakemake.utils import update_config
 
 from tetgan.config import PAPER, Config, load_config, schema_text
 from tetgan.errors import UserError
@@ -23,7 +24,8 @@ def changed(**sections):
 
 @pytest.mark.parametrize("name", ["config.yaml", "smoke.yaml", "paper.yaml"])
 def test_shipped_configurations_are_valid_on_top_of_the_default(name):
-    values = DEFAULT | yaml.safe_load((ROOT / "config" / name).read_text())
+    values = copy.deepcopy(DEFAULT)
+    update_config(values, yaml.safe_load((ROOT / "config" / name).read_text()))
     assert load_config(load_config(values)) == load_config(values)
 
 
