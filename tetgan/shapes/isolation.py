@@ -3,6 +3,7 @@
 import contextlib
 import os
 import select
+import signal
 import subprocess
 import sys
 from collections.abc import Sequence
@@ -14,11 +15,15 @@ from tetgan.shapes.options import RepairOptions
 from tetgan.shapes.soup import ShapeError, Soup
 
 
+# The child watches its own processor time; one that uses none is waited for this many times as long.
+_PATIENCE = 20.0
+
+
 class RepairWorker:
     """Turns soups into solids in a child process, which lives on from mesh to mesh.
 
-    Starting the child costs more than most repairs, so it is kept, and killed only when a mesh crashes it or
-    takes longer than `options.timeout_seconds`; the next mesh gets a new one. Use as a context manager.
+    Starting the child costs more than most repairs, so it is kept until a mesh crashes it or takes more than
+    `options.timeout_seconds` of processor time; the next mesh gets a new one. Use as a context manager.
 
     `program` is for tests; by default it is `tetgan.shapes.repair_worker`.
     """
@@ -61,10 +66,10 @@ class RepairWorker:
             write_message(process.stdin, {"vertices": soup.vertices, "faces": soup.faces})
         except BrokenPipeError:
             raise ShapeError(self._obituary()) from None
-        ready, _, _ = select.select([process.stdout], [], [], self._timeout)
+        ready, _, _ = select.select([process.stdout], [], [], _PATIENCE * self._timeout)
         if not ready:
             self.close()
-            raise ShapeError(f"repair took longer than {self._timeout:g} s")
+            raise ShapeError("repair hangs")
         answer = read_message(process.stdout)
         if answer is None:
             raise ShapeError(self._obituary())
@@ -75,15 +80,19 @@ class RepairWorker:
     def _running(self) -> subprocess.Popen[bytes]:
         if self._process is None:
             # Shards are the unit of parallel work, so a child keeps to one core.
-            threads = dict.fromkeys(("OMP_NUM_THREADS", "TBB_NUM_THREADS"), "1")
+            environment = os.environ | {"OMP_NUM_THREADS": "1"}
             self._process = subprocess.Popen(
-                self._program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=os.environ | threads
+                self._program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment
             )
         return self._process
 
     def _obituary(self) -> str:
-        """Why the child ended, once its pipe has closed."""
-        process = self._process
+        """Why the child ended, told after its pipe has closed."""
+        assert self._process is not None
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self._process.wait(timeout=10)  # else the kill below would be its exit status
+        status = self._process.poll()
         self.close()
-        code = process.returncode if process else None
-        return f"repair crashed (exit status {code})"
+        if status == -signal.SIGPROF:
+            return f"repair took longer than {self._timeout:g} s"
+        return f"repair crashed (exit status {status})"

@@ -81,7 +81,7 @@ class RepairOptions(Options):
     )
     resolution: int = Field(20_000, ge=1_000, le=1_000_000, description="manifold: leaves of the octree")
     alpha: float = Field(
-        0.03, gt=0, le=0.5, description="alpha_wrap: smallest opening entered, fraction of the longest side"
+        0.025, gt=0, le=0.5, description="alpha_wrap: smallest opening entered, fraction of the longest side"
     )
     offset: float = Field(
         0.001, gt=0, le=0.1, description="alpha_wrap: outward offset, fraction of the longest side"
@@ -93,7 +93,7 @@ class RepairOptions(Options):
     sheet_thickness: float = Field(
         0.01, gt=0, le=0.1, description="walls thinner than this fraction of the longest side are sheets"
     )
-    timeout_seconds: float = Field(60.0, gt=0, description="a mesh that takes longer is rejected")
+    timeout_seconds: float = Field(60.0, gt=0, description="processor time after which a mesh is rejected")
 
 
 class SplitOptions(Options):

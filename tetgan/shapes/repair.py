@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from tetgan.shapes.hollow import find_hollow
 from tetgan.shapes.isolation import RepairWorker
@@ -43,17 +44,22 @@ def repair_shape(soup: Soup, worker: RepairWorker, options: RepairOptions) -> Re
     raw = Soup(normalise(raw.vertices, margin=0.0), raw.faces)
     solid = worker.repair(raw)
     volume = check_solid(solid)
+    distances = surface_distances(raw, solid)
+    # Repair puts its offset on both sides of a wall; the median is that offset, crevices apart.
+    sheet_thickness = options.sheet_thickness + 2 * float(np.median(distances))
+    plug = find_hollow(solid, sheet_thickness)
     filled_share = 0.0
-    plug = find_hollow(solid, options.sheet_thickness)
     if plug is not None and options.fill_hollow:
         solid = worker.repair(_join(raw, plug))
         hollow_volume, volume = volume, check_solid(solid)
         filled_share = 1 - hollow_volume / volume
-        plug = find_hollow(solid, options.sheet_thickness)
+        distances = surface_distances(raw, solid)
+        plug = find_hollow(solid, sheet_thickness)
     if options.simplify_faces is not None:
         solid = _simplify(solid, options.simplify_faces)
         volume = check_solid(solid)
-    return Repaired(solid, volume, filled_share, plug is not None, surface_distance(raw, solid))
+        distances = surface_distances(raw, solid)
+    return Repaired(solid, volume, filled_share, plug is not None, float(distances.mean()))
 
 
 def check_solid(solid: Soup) -> float:
@@ -74,8 +80,8 @@ def check_solid(solid: Soup) -> float:
     return float(mesh.volume)
 
 
-def surface_distance(raw: Soup, solid: Soup) -> float:
-    """Mean distance to the solid from points spread over what can be seen of the raw surface."""
+def surface_distances(raw: Soup, solid: Soup) -> Float[np.ndarray, "P"]:
+    """Distances to the solid from points spread over what can be seen of the raw surface."""
     import igl  # noqa: PLC0415
 
     try:
@@ -83,7 +89,7 @@ def surface_distance(raw: Soup, solid: Soup) -> float:
     except ValueError as error:
         raise ShapeError(str(error)) from None
     squared, _, _ = igl.point_mesh_squared_distance(points, solid.vertices, solid.faces)
-    return float(np.sqrt(squared).mean())
+    return np.sqrt(squared)
 
 
 def _join(first: Soup, second: Soup) -> Soup:

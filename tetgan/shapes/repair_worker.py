@@ -7,6 +7,7 @@ pipe.
 
 import os
 import resource
+import signal
 import sys
 from collections.abc import Callable
 
@@ -35,8 +36,11 @@ def alpha_wrap(
     """Shrink-wrap that enters no opening narrower than alpha (Portaneri et al. 2022)."""
     import pymeshlab  # noqa: PLC0415
 
+    # Every face gets corners of its own: faces that share them in a way no manifold can (flipped, doubled,
+    # three at an edge) are silently dropped on the way in, and the wrap then flows in through the hole.
+    corners = vertices[faces].reshape(-1, 3)
     meshes = pymeshlab.MeshSet(verbose=False)
-    meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
+    meshes.add_mesh(pymeshlab.Mesh(corners, np.arange(len(corners)).reshape(-1, 3)))
     meshes.generate_alpha_wrap(
         alpha=pymeshlab.PureValue(options.alpha), offset=pymeshlab.PureValue(options.offset)
     )
@@ -47,15 +51,21 @@ def alpha_wrap(
 METHODS = {"manifold": manifold, "alpha_wrap": alpha_wrap}
 
 
-def serve(repair: Callable[[np.ndarray, np.ndarray], Arrays]) -> None:
-    """Answer requests until stdin closes; an exception becomes an answer with its text."""
+def serve(repair: Callable[[np.ndarray, np.ndarray], Arrays], timeout_seconds: float) -> None:
+    """Answer requests until stdin closes; an exception becomes an answer with its text.
+
+    A request that takes more than `timeout_seconds` of processor time ends the process by SIGPROF. Unlike
+    wall time that does not depend on what else the machine does, so neither does which shapes are rejected.
+    """
     resource.setrlimit(resource.RLIMIT_AS, (_MEMORY_BYTES, _MEMORY_BYTES))
     # The libraries print to stdout, which belongs to the answers: theirs goes to stderr.
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     while (request := read_message(sys.stdin.buffer)) is not None:
+        signal.setitimer(signal.ITIMER_PROF, timeout_seconds)
         try:
             vertices, faces = repair(request["vertices"], request["faces"])
+            signal.setitimer(signal.ITIMER_PROF, 0)
         except Exception as error:
             write_message(answers, {"error": np.array(f"{type(error).__name__}: {error}")})
         else:
@@ -67,7 +77,8 @@ def serve(repair: Callable[[np.ndarray, np.ndarray], Arrays]) -> None:
 def main() -> None:
     """Serve the method that the options on the command line name."""
     options = RepairOptions.model_validate_json(sys.argv[1])
-    serve(lambda vertices, faces: METHODS[options.method](vertices, faces, options))
+    repair = METHODS[options.method]
+    serve(lambda vertices, faces: repair(vertices, faces, options), options.timeout_seconds)
 
 
 if __name__ == "__main__":
