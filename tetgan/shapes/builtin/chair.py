@@ -76,7 +76,7 @@ def make_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
     kinds = {
         _composed: 70,
         _bar_chair: 3,
-        easy.shell_chair: 8,
+        easy.shell_chair: 7,
         easy.club_chair: 8,
         easy.tub_chair: 4,
         easy.plank_chair: 3,

@@ -25,7 +25,11 @@ _SHELL_SUPPORTS: dict[str, tuple[supports.Support, float]] = {
 
 @dataclass(frozen=True)
 class ShellSizes:
-    """Metres; `bend` is where, from 0 at the front edge to 1 at the top, the seat turns into the back."""
+    """Metres; `bend` is where, from 0 at the front edge to 1 at the top, seat turns into back.
+
+    `cup` hollows the shell across, `wings` raise its sides, `narrowing` and `crown` are the shares of
+    its width and of the height of its back that the top loses towards the corners.
+    """
 
     width: float
     depth: float
@@ -35,33 +39,38 @@ class ShellSizes:
     cup: float
     wings: float
     narrowing: float
+    crown: float
     bend: float
 
 
 def shell_chair(rng: np.random.Generator) -> tuple[list[Part], str]:
     """Seat and back in one moulded piece, thick or an open sheet."""
-    width = between(rng, 0.42, 0.62)
+    width, winged = between(rng, 0.42, 0.62), chance(rng, 0.5)
     sizes = ShellSizes(
         width=width,
         depth=width * between(rng, 0.85, 1.1),
         seat=between(rng, 0.40, 0.50),
         back=between(rng, 0.34, 0.60),
-        lean=between(rng, 0.08, 0.2),
-        cup=between(rng, 0.03, 0.08),
-        wings=between(rng, 0.08, 0.22) if chance(rng, 0.55) else 0.0,
-        narrowing=between(rng, 0.05, 0.3),
-        bend=between(rng, 0.40, 0.52),
+        lean=between(rng, 0.05, 0.22),
+        cup=between(rng, 0.0, 0.09),
+        wings=between(rng, 0.06, 0.24) if winged else 0.0,
+        narrowing=between(rng, -0.1, 0.35),
+        crown=0.0 if winged or chance(rng, 0.3) else between(rng, 0.1, 0.5),
+        bend=between(rng, 0.36, 0.56),
     )
     grid = _shell_surface(sizes)
     shell = sheet(grid) if chance(rng, 0.3) else panel(grid, between(rng, 0.022, 0.045))
     support, make_support = pick_from(rng, _SHELL_SUPPORTS)
-    foot = supports.Footprint(width * 0.8, sizes.depth * 0.8, sizes.seat - 0.02, between(rng, 0.035, 0.06))
+    foot = supports.Footprint(width * 0.78, sizes.depth * 0.66, sizes.seat - 0.02, between(rng, 0.035, 0.06))
     plate = box((foot.width, 0.03, foot.depth), (0, sizes.seat - 0.015, 0))
-    return [
-        shell,
-        plate,
-        *make_support(rng, foot),
-    ], f"shell/{support}/{'wings' if sizes.wings else 'no-arms'}"
+    parts = [shell, plate, *make_support(rng, foot)]
+    if chance(rng, 0.3):
+        thick = between(rng, 0.05, 0.1)
+        cushion = (width * 0.84, thick, sizes.depth * 0.8)
+        parts.append(
+            rounded_box(cushion, (0, sizes.seat + thick / 2, 0.02), thick * 0.4, bulge=(0, 0.015, 0))
+        )
+    return parts, f"shell/{support}/{'wings' if winged else 'no-arms'}"
 
 
 def _shell_surface(sizes: ShellSizes) -> Float[np.ndarray, "N M 3"]:
@@ -71,7 +80,12 @@ def _shell_surface(sizes: ShellSizes) -> Float[np.ndarray, "N M 3"]:
     near_bend = np.exp(-(((s - sizes.bend) / 0.1) ** 2))
     wings = sizes.wings * np.exp(-(((s - sizes.bend) / 0.22) ** 2)) * np.abs(u) ** 3
     x = u * sizes.width / 2 * (1 - sizes.narrowing * rise**2)
-    y = sizes.seat + sizes.back * rise + 0.035 * near_bend - 0.03 * np.exp(-((s / 0.08) ** 2))
+    y = (
+        sizes.seat
+        + sizes.back * rise * (1 - sizes.crown * np.abs(u) ** 3)
+        + 0.035 * near_bend
+        - 0.03 * np.exp(-((s / 0.08) ** 2))
+    )
     z = sizes.depth * (0.5 - np.clip(s / sizes.bend, 0, 1)) - sizes.lean * rise
     y = y + sizes.cup * u**2 * (1 - rise) + wings
     z = z + 1.5 * sizes.cup * u**2 * rise + 0.3 * wings
