@@ -18,6 +18,7 @@ Points = Sequence[Sequence[Real] | np.ndarray] | np.ndarray
 Varying = Real | Sequence[Real] | np.ndarray  # one number, or one at each place
 
 ROUND_SIDES = 12
+ROUNDING_STEPS = 2
 SQUARE: Float[np.ndarray, "4 2"] = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 
@@ -90,25 +91,22 @@ def outline(
 # --- parts --------------------------------------------------------------------------------------------------
 
 
-def loft(
-    rings: Float[np.ndarray, "N S 3"], *, cap_start: bool = True, cap_end: bool = True, looped: bool = False
-) -> Part:
-    """Rings joined in order; points of a ring turn counterclockwise about the direction of travel."""
+def loft(rings: Float[np.ndarray, "N S 3"], *, cap_end: bool = True) -> Part:
+    """Rings joined in order and capped; points of a ring turn counterclockwise about the direction of travel."""
     count, sides = rings.shape[:2]
-    spans = count if looped else count - 1
-    here = (np.arange(spans)[:, None] * sides + np.arange(sides)).ravel()
-    turn = (np.arange(spans)[:, None] * sides + (np.arange(sides) + 1) % sides).ravel()
-    ahead = (here + sides) % (count * sides)
-    ahead_turn = (turn + sides) % (count * sides)
-    vertices = [rings.reshape(-1, 3)]
-    faces = [np.stack([here, turn, ahead_turn], axis=1), np.stack([here, ahead_turn, ahead], axis=1)]
-    for wanted, ring, flip in ((cap_start, 0, True), (cap_end, count - 1, False)):
-        if wanted and not looped:
-            centre = sum(len(block) for block in vertices)
-            edge = ring * sides + np.arange(sides)
-            fan = np.stack([np.full(sides, centre), edge, np.roll(edge, -1)], axis=1)
-            faces.append(fan[:, [0, 2, 1]] if flip else fan)
-            vertices.append(rings[ring].mean(axis=0, keepdims=True))
+    start = np.arange(count - 1)[:, None] * sides
+    here, turn = (start + np.arange(sides)).ravel(), (start + (np.arange(sides) + 1) % sides).ravel()
+    vertices = [rings.reshape(-1, 3), rings[0].mean(axis=0, keepdims=True)]
+    first, ahead = np.arange(sides), np.roll(np.arange(sides), -1)
+    faces = [
+        np.stack([here, turn, turn + sides], axis=1),
+        np.stack([here, turn + sides, here + sides], axis=1),
+        np.stack([np.full(sides, count * sides), ahead, first], axis=1),
+    ]
+    if cap_end:
+        last = (count - 1) * sides
+        vertices.append(rings[-1].mean(axis=0, keepdims=True))
+        faces.append(np.stack([np.full(sides, count * sides + 1), first + last, ahead + last], axis=1))
     return Part(np.concatenate(vertices), np.concatenate(faces))
 
 
@@ -119,14 +117,12 @@ def box(size: Vector, centre: Vector) -> Part:
     return Part((corners * 2 - 1) * half + np.asarray(centre, dtype=float), faces)
 
 
-def rounded_box(
-    size: Vector, centre: Vector, radius: Real, *, bulge: Vector = (0.0, 0.0, 0.0), steps: int = 2
-) -> Part:
+def rounded_box(size: Vector, centre: Vector, radius: Real, *, bulge: Vector = (0.0, 0.0, 0.0)) -> Part:
     """Box with rounded edges; `bulge` swells each pair of faces outwards, as stuffing does a cushion."""
     half = np.asarray(size, dtype=float) / 2
     radius = min(radius, 0.98 * half.min())
-    index, faces = _cube_grid(2 * steps + 3)
-    corner = radius * np.arange(steps + 1) / steps
+    index, faces = _cube_grid(2 * ROUNDING_STEPS + 3)
+    corner = radius * np.arange(ROUNDING_STEPS + 1) / ROUNDING_STEPS
     ticks = [np.concatenate([-h + corner, [0.0], h - corner[::-1]]) for h in half]
     points = np.stack([ticks[axis][index[:, axis]] for axis in range(3)], axis=1)
     core = np.clip(points, radius - half, half - radius)
@@ -171,7 +167,6 @@ def sweep(
     scale: Varying = 1.0,
     *,
     up: Vector | None = None,
-    capped: bool = True,
 ) -> Part:
     """A section carried along a path (N, 3), its second axis kept towards `up`.
 
@@ -192,7 +187,7 @@ def sweep(
     )
     spread = section[None] * factors[:, None]
     rings = path[:, None] + spread[..., :1] * first[:, None] + spread[..., 1:] * second[:, None]
-    return loft(rings, cap_start=capped, cap_end=capped)
+    return loft(rings)
 
 
 def bar(
