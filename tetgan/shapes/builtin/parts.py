@@ -92,7 +92,7 @@ def outline(
 
 
 def loft(rings: Float[np.ndarray, "N S 3"], *, cap_end: bool = True) -> Part:
-    """Rings joined in order and capped; points of a ring turn counterclockwise about the direction of travel."""
+    """Rings joined in order and capped; their points turn counterclockwise about the direction of travel."""
     count, sides = rings.shape[:2]
     start = np.arange(count - 1)[:, None] * sides
     here, turn = (start + np.arange(sides)).ravel(), (start + (np.arange(sides) + 1) % sides).ravel()
