@@ -91,3 +91,17 @@ def test_critics_have_gradients_of_their_gradients():
         (gradient,) = torch.autograd.grad(critic(field).sum(), field, create_graph=True)
         gradient.square().sum().backward()
         assert all(p.grad is not None for name, p in critic.named_parameters() if "bias" not in name)
+
+
+@pytest.mark.parametrize("latent", ["global", "tet", "conv"])
+def test_a_head_started_from_features_gives_them_back(latent):
+    # Six shapes span five directions, 24 tets of channels eight: a code of 12 holds either.
+    options = TetganOptions.parse({**SMALL, "latent": latent, "base_width": 8})
+    model = TetganGenerator(options, build_hierarchy(1, 1))
+    features = torch.rand(24, 6, 8, generator=torch.Generator().manual_seed(0))
+    model.head.start_from(features)
+    codes, log_variance = model.head.encode(features)
+    torch.testing.assert_close(model.head.decode(codes), features, rtol=0, atol=1e-4)
+    kept = codes.flatten(0, -2)[:, :5]
+    torch.testing.assert_close(kept.var(dim=0, correction=0), torch.ones(5), rtol=1e-3, atol=0)
+    assert (log_variance < -2).all()

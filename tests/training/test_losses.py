@@ -74,5 +74,7 @@ def test_rates():
 def test_when_critics_train():
     chosen = options(adversarial_start=0.5, adversarial_every=3)
     assert [step for step in range(12) if adversarial_step_due(step, 12, chosen)] == [6, 9]
+    late = options(head_start=0.75, adversarial_every=3)
+    assert [step for step in range(12) if adversarial_step_due(step, 12, late)] == [9]
     assert not adversarial_step_due(0, 12, options(local_weight=0, global_weight=0))
     assert not adversarial_step_due(11, 12, options(adversarial_start=1))

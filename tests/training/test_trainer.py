@@ -122,6 +122,24 @@ def without_time(row: dict[str, str]) -> dict[str, str]:
     return {name: value for name, value in row.items() if name != "seconds"}
 
 
+def test_a_run_with_a_head_start_resumes_as_well(tiny_index, tmp_path, monkeypatch):
+    options = brief(adversarial_start=1, head_start=0.5, checkpoint_seconds=0)
+    train_model(tiny_index, SMALL, options, 0, tmp_path / "whole")
+    assert [row["validation_iou"] != "" for row in rows(tmp_path / "whole")] == [False, False, False, True]
+    start_head, stops = Trainer._start_head, [Killed]
+
+    def stop_once(self):
+        if stops:
+            raise stops.pop()
+        start_head(self)
+
+    monkeypatch.setattr(Trainer, "_start_head", stop_once)
+    with pytest.raises(Killed):
+        train_model(tiny_index, SMALL, options, 0, tmp_path / "stopped")
+    train_model(tiny_index, SMALL, options, 0, tmp_path / "stopped")
+    assert weights(tmp_path / "stopped") == weights(tmp_path / "whole")
+
+
 def test_a_finished_checkpoint_is_not_resumed(tiny_index, in_one_go, tmp_path, caplog):
     shutil.copytree(in_one_go, tmp_path / "again")
     caplog.set_level(logging.INFO)

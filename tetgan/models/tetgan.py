@@ -1,5 +1,6 @@
 """TetGAN's autoencoder: encoder, latent head and decoder (paper's supplement A; DESIGN §4)."""
 
+import math
 from itertools import pairwise
 from typing import Literal
 
@@ -17,6 +18,11 @@ from tetgan.nn.norm import SLOPE
 from tetgan.nn.resample import TetPool
 
 CONVOLUTIONS = 4  # of each block
+
+# Start of a latent head from features: codes have variance 1, so four deviations keep nearly all of them
+# positive; posteriors begin at a variance of e^-3 = 0.05; components below the rounding of single precision
+# are left out.
+STRAIGHT, LOG_VARIANCE, ROUNDING = 4.0, -3.0, 1e-5
 
 
 class Encoder(nn.Module):
@@ -70,7 +76,7 @@ class LatentHead(nn.Module):
         self.unfolded = (neighbors.tets, channels)
         features = neighbors.tets * channels if self.folds else channels
 
-        def layer(inputs: int, outputs: int) -> nn.Module:
+        def layer(inputs: int, outputs: int) -> nn.Linear | TetConv:
             if options.latent == "conv":
                 return TetConv(inputs, outputs, neighbors)
             return nn.Linear(inputs, outputs)
@@ -94,6 +100,43 @@ class LatentHead(nn.Module):
             return tets_first(self.expand(latent).unflatten(1, self.unfolded))
         return self.expand(tets_first(latent))
 
+    @torch.no_grad()
+    def start_from(self, features: Float[Tensor, "K N C"]) -> None:
+        """Set the weights so that codes are the whitened principal components of the features of many shapes.
+
+        Gradient steps find these slowly. What a code has beyond the number of components keeps its random
+        start, and the decoder does not listen to it yet.
+        """
+        rows = features.transpose(0, 1).flatten(1) if self.folds else features.flatten(0, 1)
+        middle = rows.mean(dim=0)
+        _, lengths, directions = torch.linalg.svd(rows - middle, full_matrices=False)
+        kept = min(self.latent_shape[-1], int((lengths > ROUNDING * lengths[0]).sum()))
+        deviations, directions = lengths[:kept, None] / math.sqrt(len(rows)), directions[:kept]
+        whiten = directions / deviations
+        # Shifted to the straight side of the leaky ReLU, and shifted back by the mean.
+        _set_outputs(self.hidden, slice(kept), whiten, STRAIGHT - whiten @ middle)
+        identity = torch.eye(kept, self.latent_shape[-1], device=rows.device)
+        _set_outputs(self.mean, slice(kept), identity, torch.full_like(middle[:kept], -STRAIGHT))
+        constant = identity.new_full((self.latent_shape[-1],), LOG_VARIANCE)
+        _set_outputs(
+            self.log_variance, slice(None), torch.zeros_like(constant).expand(len(constant), -1), constant
+        )
+        back = torch.zeros(len(middle), self.latent_shape[-1], device=rows.device)
+        back[:, :kept] = (directions * deviations).T
+        _set_outputs(self.expand, slice(None), back, middle)
+
+
+def _set_outputs(
+    layer: nn.Linear | TetConv, outputs: slice, weight: Float[Tensor, "D C"], bias: Float[Tensor, "D"]
+) -> None:
+    """Some outputs of a linear layer, or of a convolution that then sees the tet itself alone."""
+    matrix = layer.weight
+    if isinstance(layer, TetConv):
+        matrix[1:, :, outputs] = 0
+        matrix = matrix[0].T
+    assert layer.bias is not None
+    matrix[outputs], layer.bias[outputs] = weight, bias
+
 
 class TetganGenerator(FieldGenerator):
     """The variational autoencoder, whose decoder is also the generator that the critics judge."""
@@ -113,13 +156,21 @@ class TetganGenerator(FieldGenerator):
     def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
         return self.posterior(field)[0]
 
+    def decode_features(self, features: Float[Tensor, "K B C"]) -> Float[Tensor, "B T 4"]:
+        """Decode the coarsest features themselves, without the latent head."""
+        field = self.decoder(features).transpose(0, 1).float()
+        return torch.cat([field[..., :1], field[..., 1:].tanh()], dim=-1)
+
+    def features(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "K B C"]:
+        """The encoder's coarsest features, which the latent head reads."""
+        return self.encoder(tets_first(field))
+
     def posterior(
         self, field: Float[Tensor, "B T 4"]
     ) -> tuple[Float[Tensor, "B ..."], Float[Tensor, "B ..."]]:
         """Mean and log variance of the latent of each field."""
-        mean, log_variance = self.head.encode(self.encoder(tets_first(field)))
+        mean, log_variance = self.head.encode(self.features(field))
         return mean.float(), log_variance.float()
 
     def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "B T 4"]:
-        field = self.decoder(self.head.decode(latent)).transpose(0, 1).float()
-        return torch.cat([field[..., :1], field[..., 1:].tanh()], dim=-1)
+        return self.decode_features(self.head.decode(latent))

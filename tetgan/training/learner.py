@@ -1,6 +1,6 @@
 """The networks, their optimisers, and the three kinds of step."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -26,6 +26,10 @@ from tetgan.training.losses import (
 from tetgan.training.options import TrainingOptions
 
 Losses = dict[str, float]
+
+BYPASS_NOISE = (
+    0.3  # of features whose deviation is near 1: what a bottleneck loses, the decoder must not need
+)
 
 
 class Learner:
@@ -81,19 +85,35 @@ class Learner:
         """Encode, draw from the posterior, decode, compare; one Adam step on both halves."""
         with self._precision():
             mean, log_variance = self.generator.posterior(field)
-            noise = torch.randn(mean.shape, generator=draws).to(self.device)
-            decoded = self.generator.decode(mean + (0.5 * log_variance).exp() * noise)
+            decoded = self.generator.decode(mean + (0.5 * log_variance).exp() * self._noise(mean, draws))
+        kl = kl_divergence(mean, log_variance)
+        losses = self._reconstruct(decoded, field, kl_weight * kl)
+        return losses | {"kl": float(kl.detach())}
+
+    def bypass_step(self, field: Float[Tensor, "B T 4"], draws: torch.Generator) -> Losses:
+        """The same around the latent head: features, with some noise, go straight to the decoder."""
+        with self._precision():
+            features = self.generator.features(field)
+            decoded = self.generator.decode_features(features + BYPASS_NOISE * self._noise(features, draws))
+        return self._reconstruct(decoded, field, torch.zeros((), device=self.device))
+
+    @torch.no_grad()
+    def start_head(self, fields: Iterable[Float[Tensor, "B T 4"]]) -> None:
+        """End of the bypass: the latent head starts from the features of these fields."""
+        features = torch.cat([self.generator.features(field) for field in fields], dim=1)
+        self.generator.head.start_from(features)
+        self.average = WeightAverage(self.generator, self.training.ema)
+
+    def _reconstruct(
+        self, decoded: Float[Tensor, "B T 4"], field: Float[Tensor, "B T 4"], further: Float[Tensor, ""]
+    ) -> Losses:
+        """One Adam step towards a better reconstruction and a smaller `further` loss."""
         losses = {
             "occupancy_loss": occupancy_loss(decoded, field, self.training.positive_weight),
             "displacement_loss": displacement_loss(decoded, field, self.vertices),
-            "kl": kl_divergence(mean, log_variance),
         }
-        total = (
-            losses["occupancy_loss"]
-            + self.training.displacement_weight * losses["displacement_loss"]
-            + kl_weight * losses["kl"]
-        )
-        self._step_generator(total)
+        weighted = self.training.displacement_weight * losses["displacement_loss"]
+        self._step_generator(losses["occupancy_loss"] + weighted + further)
         self.average.update()
         return {name: float(loss.detach()) for name, loss in losses.items()}
 
@@ -133,6 +153,10 @@ class Learner:
         latent = self.generator.sample_latent(count, draws).to(self.device)
         with self._precision():
             return as_seen_by_critics(self.generator.decode(latent))
+
+    def _noise(self, like: Tensor, draws: torch.Generator) -> Tensor:
+        """Standard normal, drawn on the CPU so that it does not depend on the device."""
+        return torch.randn(like.shape, generator=draws).to(self.device)
 
     def _step_generator(self, loss: Tensor) -> None:
         self.optimizer.zero_grad()

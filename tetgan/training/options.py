@@ -22,6 +22,12 @@ class TrainingOptions(Options):
         None, gt=0, description="largest gradient norm of the autoencoder; empty: no clipping"
     )
 
+    head_start: float = Field(
+        0.0,
+        ge=0,
+        lt=1,
+        description="share of the epochs that go around the latent head; it then starts from their features",
+    )
     positive_weight: float = Field(1.0, gt=0, description="weight of occupied tets in the cross-entropy")
     displacement_weight: float = Field(
         1.0,

@@ -19,8 +19,14 @@ def rate_factor(progress: float, options: TrainingOptions) -> float:
     return 0.01 + 0.99 * (1 + math.cos(math.pi * progress)) / 2
 
 
+def bypass_steps(steps: int, options: TrainingOptions) -> int:
+    """How many of `steps` go around the latent head."""
+    return round(options.head_start * steps)
+
+
 def adversarial_step_due(step: int, steps: int, options: TrainingOptions) -> bool:
-    """Whether an adversarial round follows autoencoder step `step` of `steps`."""
+    """Whether an adversarial round follows autoencoder step `step` of `steps`; none during the bypass."""
     if options.local_weight == options.global_weight == 0:
         return False
-    return step >= options.adversarial_start * steps and step % options.adversarial_every == 0
+    start = max(options.adversarial_start * steps, bypass_steps(steps, options))
+    return step >= start and step % options.adversarial_every == 0

@@ -26,11 +26,12 @@ from tetgan.training.learner import Learner, Losses, step_draws
 from tetgan.training.options import TrainingOptions
 from tetgan.training.pictures import draw_decoded
 from tetgan.training.runlog import RunLog
-from tetgan.training.schedule import adversarial_step_due, kl_weight, rate_factor
+from tetgan.training.schedule import adversarial_step_due, bypass_steps, kl_weight, rate_factor
 from tetgan.training.validation import validate
 
 log = logging.getLogger(__name__)
 
+HEAD_SHAPES = 1024  # shapes whose features the latent head starts from, at most
 # Options that may change between a run and its resumption: the weights do not depend on them.
 WITHOUT_EFFECT = {"device", "validate_every", "picture_every", "checkpoint_seconds"}
 
@@ -80,6 +81,7 @@ class Trainer:
         self.learner = Learner(options, training, store.hierarchy, operator, seed=seed, device=self.device)
         self.steps_per_epoch = math.ceil(len(self.data) / training.batch_size)
         self.steps = self.steps_per_epoch * training.epochs
+        self.bypass = bypass_steps(self.steps, training)
         self.step, self.seconds = 0, 0.0
         self.digests = {
             "options": run_digest(
@@ -110,8 +112,13 @@ class Trainer:
         """An autoencoder step, and an adversarial round where one is due."""
         draws = step_draws(self.seed, self.step)
         self.learner.set_rate(rate_factor(self.step / self.steps, self.training))
-        weight = kl_weight(self.step * self.training.batch_size, self.training)
-        losses = self.learner.autoencoder_step(self._batch(), weight, draws)
+        if self.step < self.bypass:
+            losses = self.learner.bypass_step(self._batch(), draws)
+        else:
+            if self.step == self.bypass > 0:
+                self._start_head()
+            weight = kl_weight(self.step * self.training.batch_size, self.training)
+            losses = self.learner.autoencoder_step(self._batch(), weight, draws)
         if adversarial_step_due(self.step, self.steps, self.training):
             losses |= self._adversarial_round(draws)
         self.log.add(losses)
@@ -123,6 +130,11 @@ class Trainer:
         order = torch.randperm(len(self.data), generator=step_draws(self.seed, self.steps + epoch))
         size = self.training.batch_size
         return self.data.batch(order[place * size : (place + 1) * size], self.device)
+
+    def _start_head(self) -> None:
+        rows = torch.randperm(len(self.data), generator=step_draws(self.seed, self.step))[:HEAD_SHAPES]
+        batches = rows.split(self.training.batch_size)
+        self.learner.start_head(self.data.batch(batch, self.device) for batch in batches)
 
     def _adversarial_round(self, draws: torch.Generator) -> Losses:
         size = self.training.batch_size
@@ -139,10 +151,11 @@ class Trainer:
             "learning_rate": training.learning_rate * rate_factor(self.step / self.steps, training),
             "kl_weight": kl_weight(self.step * training.batch_size, training),
         }
+        whole = self.step > self.bypass  # before, there is no latent to decode from
         with self.learner.average.applied():
-            if len(self.held_out) > 0 and (last or epoch % training.validate_every == 0):
+            if whole and len(self.held_out) > 0 and (last or epoch % training.validate_every == 0):
                 further |= self._validate()
-            if last or epoch % training.picture_every == 0:
+            if whole and (last or epoch % training.picture_every == 0):
                 picture = self.folder / f"decoded_{epoch:04d}.png"
                 draw_decoded(picture, self.learner.generator, self.store, training.device)
         row = self.log.finish_epoch(epoch, further)
