@@ -67,13 +67,13 @@ def test_other_categories_have_many_kinds(category, least):
     assert len(kinds) >= least
 
 
-def test_flaws_strike_their_share_and_leave_the_surface_alone():
+def test_flaws_strike_their_share_and_add_no_surface():
     struck = 0
     for index in range(200):
         parts, _ = MAKERS["table"](np.random.default_rng(index))
         sound, flawed = join_parts(parts), join_parts(damage_parts(np.random.default_rng([index, 1]), parts))
         assert np.array_equal(sound.vertices, flawed.vertices)
-        assert set(map(frozenset, sound.faces.tolist())) == set(map(frozenset, flawed.faces.tolist()))
+        assert set(map(frozenset, flawed.faces.tolist())) <= set(map(frozenset, sound.faces.tolist()))
         struck += not np.array_equal(sound.faces, flawed.faces)
     # Three standard deviations of a binomial share.
     assert abs(struck / 200 - FLAWED_SHARE) < 3 * np.sqrt(FLAWED_SHARE * (1 - FLAWED_SHARE) / 200)
