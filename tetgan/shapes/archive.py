@@ -4,7 +4,7 @@ import io
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -71,7 +71,7 @@ def read_records(path: Path) -> pd.DataFrame:
         return read_table(io.BytesIO(archive.read(_RECORDS)))
 
 
-def read_table(table: Path | IO[bytes]) -> pd.DataFrame:
+def read_table(table: Path | io.BytesIO) -> pd.DataFrame:
     """Records from CSV: text columns are text, empty where there is nothing; numbers are NaN there.
 
     An id such as '0012' or 'nan' is text, whatever it looks like.

@@ -80,8 +80,8 @@ def sample_clouds(
             np.stack([clouds[shape_id] for shape_id in ids]) if ids else np.zeros((0, points, 3), "f4")
         )
         arrays[f"{name}_ids"] = np.array(ids, dtype=np.str_)
-    with whole_file(out) as partial:
-        np.savez_compressed(partial, allow_pickle=False, **arrays)
+    with whole_file(out) as partial, partial.open("wb") as stream:
+        np.savez_compressed(stream, allow_pickle=False, **arrays)
 
 
 def read_clouds(path: Path) -> Clouds:

@@ -16,9 +16,11 @@ from tetgan.shapes.soup import Soup
 
 _CELLS = 40  # voxels along the longest side: insides of one or two voxels (5 %) are too small to matter
 _DIRECTIONS = 48  # over the whole sphere
+_WALLS_ASKED = 24  # of these
 # A hollow has a core walled in nearly all around, and reaches to where a little more than half is walled;
 # sheets are the greater part of those walls. An open half sphere walls in at most 0.85, at its pole, so bowls
-# and shells to sit in have no core.
+# and shells to sit in have no core; a square tray has one in its corners if it is deeper than about a quarter
+# of its width.
 _CORE_WALLED = 0.9
 _EDGE_WALLED = 0.55
 _SHEETS = 0.5
@@ -88,9 +90,10 @@ def _wall_shares(
         free[asked] += visibility.sees_out(points[asked], direction[None])
     asked = np.flatnonzero(free < most_free)
     sheets = np.zeros(len(points))
-    for direction in directions:
+    # A wall's thickness takes two dearer rays, and no fine count: every part of the list is spread evenly.
+    for direction in directions[:_WALLS_ASKED]:
         sheets[asked] += visibility.first_wall(points[asked], direction) < sheet_thickness
-    return 1 - free / _DIRECTIONS, sheets / _DIRECTIONS
+    return 1 - free / _DIRECTIONS, sheets / _WALLS_ASKED
 
 
 def _open_links(

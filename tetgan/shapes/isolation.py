@@ -8,12 +8,10 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from types import TracebackType
-from typing import Self
 
 from tetgan.shapes.messages import read_message, write_message
 from tetgan.shapes.options import RepairOptions
 from tetgan.shapes.soup import ShapeError, Soup
-
 
 # The child watches its own processor time; one that uses none is waited for this many times as long.
 _PATIENCE = 20.0
@@ -34,7 +32,7 @@ class RepairWorker:
         self._timeout = options.timeout_seconds
         self._process: subprocess.Popen[bytes] | None = None
 
-    def __enter__(self) -> Self:
+    def __enter__(self) -> "RepairWorker":
         return self
 
     def __exit__(
