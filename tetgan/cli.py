@@ -156,9 +156,7 @@ def fields(
 
     Example: `tetgan fields chairs.zip chairs.zarr.zip --grid '{cells: 2, depth: 2}'`
     """
-    os.environ["IGL_NUM_THREADS"] = str(
-        threads
-    )  # read when libigl loads; else every core
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
     from tetgan.fields.shards import extract_shard
     from tetgan.grids.options import GridOptions
 

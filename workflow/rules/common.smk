@@ -24,7 +24,7 @@ SHOWN_MODELS = [
 def stage_digest(*rooms):
     """Digest of the modules behind a stage: editing one of them makes the stage run again.
 
-    Snakemake cannot see inside a command, so each rule carries this as a parameter.
+    Snakemake cannot see inside a command, so each stage carries this as a parameter.
     """
     package = Path(find_spec("tetgan").origin).parent
     digest = hashlib.sha256()
@@ -38,7 +38,7 @@ def stage_digest(*rooms):
 
 
 def section(*keys):
-    """A rule parameter: the part of the config at `keys` as JSON; a key in braces is a wildcard."""
+    """Parameter of a job: the part of the config at `keys` as JSON; a key in braces is a wildcard."""
 
     def lookup(wildcards):
         part = config
