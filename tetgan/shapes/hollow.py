@@ -34,17 +34,19 @@ def find_hollow(solid: Soup, sheet_thickness: float) -> Soup | None:
         sheet_thickness: walls thinner than this, in the solid's units, are sheets.
 
     Returns:
-        Marching-cubes surface of the hollow voxels, snapped to the walls where it comes near them.
+        Surface of the hollow voxels, oriented outward, snapped to the walls where it comes near them.
     """
-    from skimage.measure import marching_cubes  # noqa: PLC0415
+    import igl  # noqa: PLC0415
 
     hollow, origin, step = hollow_voxels(solid, sheet_thickness)
     if not hollow.any():
         return None
-    vertices, faces, _, _ = marching_cubes(np.pad(hollow, 1).astype(np.float32), 0.5)
-    # Marching cubes winds towards the larger value
-    placed = origin + step * (vertices.astype(np.float64) - 1)
-    return Soup(_snap(placed, solid, reach=1.5 * step), faces[:, ::-1].astype(np.int64))
+    filled = np.pad(hollow, 1).astype(np.float64)
+    # igl runs through x fastest, and takes what is below the level to be inside.
+    cells = np.stack(np.unravel_index(np.arange(filled.size), filled.shape, order="F"), axis=1)
+    places = origin + step * (cells - 1)
+    vertices, faces, _ = igl.marching_cubes(-filled.ravel(order="F"), places, *filled.shape, -0.5)
+    return Soup(_snap(vertices, solid, reach=1.5 * step), faces.astype(np.int64))
 
 
 def hollow_voxels(
@@ -53,24 +55,26 @@ def hollow_voxels(
     """Which voxels are hollow, the centre of the first one, and their size."""
     import igl  # noqa: PLC0415
 
-    low, high = solid.vertices.min(axis=0), solid.vertices.max(axis=0)
-    step = float((high - low).max()) / _CELLS
-    shape = np.ceil((high - low) / step).astype(int)
-    centres = low + step * (np.stack(np.meshgrid(*map(np.arange, shape), indexing="ij"), axis=-1) + 0.5)
-    points = centres.reshape(-1, 3)
+    points, shape, step = _voxels(solid)
     outside = igl.fast_winding_number(solid.vertices, solid.faces, points) < 0.5
     visibility = Visibility(solid.triangles)
     walled, sheets = np.zeros((2, len(points)))
     walled[outside], sheets[outside] = _wall_shares(visibility, points[outside], sheet_thickness)
-    walled = np.where(sheets > _SHEETS * walled, walled, 0)
-    members = np.flatnonzero(walled > _EDGE_WALLED)
-    links = _open_links(visibility, points, members, shape, step)
-    _, labels = connected_components(links, directed=False)
-    cored = np.unique(labels[walled[members] > _CORE_WALLED])
+    members = np.flatnonzero((walled > _EDGE_WALLED) & (sheets > _SHEETS * walled))
+    rooms = _label_rooms(visibility, points, members, shape, step)
+    cored = np.unique(rooms[walled[members] > _CORE_WALLED])
     hollow = np.zeros(len(points), dtype=bool)
-    hollow[members] = np.isin(labels, cored)
+    hollow[members] = np.isin(rooms, cored)
     # Opening by one voxel drops films along walls.
-    return ndimage.binary_opening(hollow.reshape(shape)), centres[0, 0, 0], step
+    return ndimage.binary_opening(hollow.reshape(shape)), points[0], step
+
+
+def _voxels(solid: Soup) -> tuple[Float[np.ndarray, "P 3"], tuple[int, int, int], float]:
+    """Centres of the voxels of the bounding box, z fastest; how many along each axis; their size."""
+    low, high = solid.vertices.min(axis=0), solid.vertices.max(axis=0)
+    step = float((high - low).max()) / _CELLS
+    x, y, z = (int(np.ceil(length / step)) for length in high - low)
+    return low + step * (np.indices((x, y, z)).reshape(3, -1).T + 0.5), (x, y, z), step
 
 
 def _wall_shares(
@@ -96,27 +100,28 @@ def _wall_shares(
     return 1 - free / _DIRECTIONS, sheets / _WALLS_ASKED
 
 
-def _open_links(
+def _label_rooms(
     visibility: Visibility,
     points: Float[np.ndarray, "P 3"],
     members: Int[np.ndarray, "M"],
-    shape: Int[np.ndarray, "3"],
+    shape: tuple[int, int, int],
     step: float,
-) -> coo_array:
-    """Graph of neighbouring members with no wall between them, (M, M): a sheet is thinner than a voxel."""
+) -> Int[np.ndarray, "M"]:
+    """Number of the room each member voxel is in: neighbours share one unless a wall stands between them.
+
+    Labelling the voxels alone would join rooms through their walls, for a sheet is thinner than a voxel.
+    """
     rank = np.full(len(points), -1)
     rank[members] = np.arange(len(members))
     rank = rank.reshape(shape)
-    firsts, seconds = [], []
+    links = [np.zeros((2, 0), dtype=int)]
     for axis in range(3):
-        here, there = np.delete(rank, -1, axis).ravel(), np.delete(rank, 0, axis).ravel()
-        both = (here >= 0) & (there >= 0)
-        here, there = here[both], there[both]
-        free = visibility.sees_out(points[members[here]], np.eye(3)[axis][None], reach=step)
-        firsts.append(here[free])
-        seconds.append(there[free])
-    first, second = np.concatenate(firsts), np.concatenate(seconds)
-    return coo_array((np.ones(len(first)), (first, second)), shape=(len(members),) * 2)
+        pair = np.stack([np.delete(rank, -1, axis).ravel(), np.delete(rank, 0, axis).ravel()])
+        pair = pair[:, (pair >= 0).all(axis=0)]
+        links.append(pair[:, visibility.sees_out(points[members[pair[0]]], np.eye(3)[[axis]], reach=step)])
+    here, there = np.concatenate(links, axis=1)
+    graph = coo_array((np.ones(len(here)), (here, there)), shape=(len(members), len(members)))
+    return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
 def _snap(vertices: Float[np.ndarray, "V 3"], solid: Soup, reach: float) -> Float[np.ndarray, "V 3"]:
