@@ -31,7 +31,7 @@ def clouds(tmp_path_factory) -> list[Path]:
     """A file of clouds for each of two categories."""
     folder = tmp_path_factory.mktemp("clouds")
     for category in CATEGORIES:
-        write_clouds(folder / f"{category}.npz", category, 8, 8)
+        write_clouds(folder / f"{category}.npz", category, 6, 6)
     return [folder / f"{category}.npz" for category in CATEGORIES]
 
 
@@ -42,6 +42,6 @@ def extractor(clouds, tmp_path_factory) -> Path:
     from tetgan.evaluation.options import ExtractorOptions
 
     folder = tmp_path_factory.mktemp("extractor") / "trained"
-    options = ExtractorOptions(train=8, holdout=8, epochs=3, batch_size=4, noise_samples=16)
+    options = ExtractorOptions(train=6, holdout=2, epochs=2, batch_size=4, noise_samples=8)
     train_extractor(clouds, CATEGORIES, options, folder)
     return folder

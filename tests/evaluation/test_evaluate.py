@@ -104,10 +104,8 @@ def test_fid_and_kid_are_measured_at_the_same_n_and_warn(report):
     assert any("FID at N = 4" in note for note in section["notes"])
 
 
-def test_the_same_inputs_give_the_same_bytes(samples, originals, clouds, extractor, tmp_path):
-    for name in ("one", "two"):
-        run_model(samples, originals, clouds, extractor, tmp_path / name)
-    assert (tmp_path / "one").read_bytes() == (tmp_path / "two").read_bytes()
+def test_the_same_inputs_give_the_same_figures(report, samples, originals, clouds, extractor, tmp_path):
+    assert run_model(samples, originals, clouds, extractor, tmp_path / "again.json") == report
 
 
 def test_too_few_samples_leave_metrics_empty(samples, originals, clouds, extractor, tmp_path):
@@ -119,7 +117,7 @@ def test_too_few_samples_leave_metrics_empty(samples, originals, clouds, extract
         assert section["metrics"][metric]["value"] is None
     assert section["notes"] == [
         "variety needs 7 surfaces and has 5",
-        "FID and KID need 6 surfaces on each side and have 5, 8",
+        "FID and KID need 6 surfaces on each side and have 5, 6",
     ]
 
 

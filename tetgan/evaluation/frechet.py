@@ -120,7 +120,8 @@ def _mean_within(
 ) -> Float[np.ndarray, "R"]:
     """Mean of the kernel over ordered pairs of different samples."""
     pairs = counts.sum(1) ** 2 - (counts**2).sum(1)
-    return ((counts @ kernel) * counts).sum(1) / pairs
+    # A resample of very few may hold one sample alone, which has no pairs and no say.
+    return ((counts @ kernel) * counts).sum(1) / np.maximum(pairs, 1)
 
 
 def _block_counts(size: int, block: int, blocks: int, rng: np.random.Generator) -> Float[np.ndarray, "R N"]:

@@ -44,7 +44,7 @@ class Section:
     counts: dict[str, dict[str, int]] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
-    def add_means(self, columns: Mapping[str, Sequence[float] | np.ndarray]) -> None:
+    def add_means(self, columns: Mapping[str, Sequence[float | int] | np.ndarray]) -> None:
         """A mean over items for each column; an empty one is a missing metric."""
         for name, values in columns.items():
             self.metrics[name] = mean_estimate(np.asarray(values, dtype=np.float64), name, self.options)

@@ -12,7 +12,7 @@ import torch
 from jaxtyping import Float, Int
 from rich.console import Console
 from rich.progress import track
-from torch import Tensor
+from torch import Tensor, nn
 from torch.nn import functional
 
 from tetgan.errors import UserError
@@ -136,7 +136,7 @@ def _prepare(parts: Sequence[Float[np.ndarray, "_ P 3"]], device: torch.device, 
 
 def _fit(
     train: LabelledClouds, holdout: LabelledClouds, classes: int, options: ExtractorOptions
-) -> tuple[PointNet2, list[dict[str, float]]]:
+) -> tuple[PointNet2, list[dict[str, float | int]]]:
     """The trained network and a row of the log an epoch."""
     device = train.points.device
     with torch.random.fork_rng(devices=[device] if device.type == "cuda" else []):
@@ -172,9 +172,12 @@ def _train_epoch(
 ) -> tuple[float, float]:
     """Mean loss and share of right answers, as training saw them."""
     network.train()
+    norms = [module for module in network.modules() if isinstance(module, nn.BatchNorm1d)]
     loss_sum, right, seen = 0.0, 0, 0
     for rows in _batches(len(clouds.labels), options.batch_size, generator):
         batch = clouds.pick(rows.to(clouds.labels.device))
+        for norm in norms:
+            norm.momentum = _momentum(norm)
         points = _turn(batch.points, generator) if options.rotate else batch.points
         scores = network(points, batch.groupings)
         loss = functional.cross_entropy(scores, batch.labels)
@@ -185,6 +188,16 @@ def _train_epoch(
         right += int((scores.argmax(1) == batch.labels).sum())
         seen += len(rows)
     return loss_sum / seen, right / seen
+
+
+def _momentum(norm: nn.BatchNorm1d) -> float:
+    """Weight of the next batch in the running statistics: plain averages first, torch's 0.1 from then on.
+
+    They start at variance 1, far above that of coordinates within a ball; at 0.1 from the start, that one
+    value outweighs the data for the first hundred steps, and the network is blind outside training.
+    """
+    assert norm.num_batches_tracked is not None
+    return max(0.1, 1 / (int(norm.num_batches_tracked) + 1))
 
 
 def _batches(size: int, batch_size: int, generator: torch.Generator) -> Iterator[Int[Tensor, "B"]]:
