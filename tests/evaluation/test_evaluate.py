@@ -60,15 +60,24 @@ def samples(tmp_path_factory):
     return root
 
 
-def run_model(samples, originals, clouds, extractor, out, *, options=OPTIONS):
-    identity = {"category": "slab", "model": "tetgan-LR", "grid": "LR", "mode": "paper", "seed": 0}
-    evaluate_model(samples, originals[0], clouds[0], extractor, options=options, identity=identity, out=out)
-    return json.loads(out.read_text())
+@pytest.fixture(scope="module")
+def measure(originals, clouds, extractor, tmp_path_factory):
+    """Runs the stage on a folder of samples and reads its report."""
+
+    def run(samples, options=OPTIONS):
+        identity = {"category": "slab", "model": "tetgan-LR", "grid": "LR", "mode": "paper", "seed": 0}
+        out = tmp_path_factory.mktemp("metrics") / "metrics.json"
+        evaluate_model(
+            samples, originals[0], clouds[0], extractor, options=options, identity=identity, out=out
+        )
+        return json.loads(out.read_text())
+
+    return run
 
 
 @pytest.fixture(scope="module")
-def report(samples, originals, clouds, extractor, tmp_path_factory):
-    return run_model(samples, originals, clouds, extractor, tmp_path_factory.mktemp("out") / "metrics.json")
+def report(measure, samples):
+    return measure(samples)
 
 
 def test_identity_comes_with_the_samples_own_account(report):
@@ -104,15 +113,13 @@ def test_fid_and_kid_are_measured_at_the_same_n_and_warn(report):
     assert any("FID at N = 4" in note for note in section["notes"])
 
 
-def test_the_same_inputs_give_the_same_figures(report, samples, originals, clouds, extractor, tmp_path):
-    assert run_model(samples, originals, clouds, extractor, tmp_path / "again.json") == report
+def test_the_same_inputs_give_the_same_figures(measure, samples, report):
+    assert measure(samples) == report
 
 
-def test_too_few_samples_leave_metrics_empty(samples, originals, clouds, extractor, tmp_path):
+def test_too_few_samples_leave_metrics_empty(measure, samples):
     options = OPTIONS.model_copy(update={"samples": 6, "variety": VarietyOptions(pairs=20, closest=2)})
-    section = run_model(samples, originals, clouds, extractor, tmp_path / "m.json", options=options)[
-        "smoothings"
-    ]["wls"]
+    section = measure(samples, options)["smoothings"]["wls"]
     for metric in ("variety", "fid", "kid"):
         assert section["metrics"][metric]["value"] is None
     assert section["notes"] == [
@@ -121,17 +128,17 @@ def test_too_few_samples_leave_metrics_empty(samples, originals, clouds, extract
     ]
 
 
-def test_nothing_generated_nor_reconstructed_is_not_an_error(originals, clouds, extractor, tmp_path):
-    (tmp_path / "samples" / "none").mkdir(parents=True)
-    report = run_model(tmp_path / "samples", originals, clouds, extractor, tmp_path / "m.json")
+def test_nothing_generated_nor_reconstructed_is_not_an_error(measure, tmp_path):
+    (tmp_path / "none").mkdir()
+    report = measure(tmp_path)
     metrics = report["smoothings"]["none"]["metrics"]
     assert {estimate["value"] for estimate in metrics.values()} == {None}
     assert report["smoothings"]["none"]["generated"] == {"expected": 0, "found": 0}
 
 
-def test_no_samples_at_all_is_an_error(originals, clouds, extractor, tmp_path):
+def test_no_samples_at_all_is_an_error(measure, tmp_path):
     with pytest.raises(UserError, match="no samples"):
-        run_model(tmp_path, originals, clouds, extractor, tmp_path / "m.json")
+        measure(tmp_path)
 
 
 def test_real_shapes_measure_their_own_floor(originals, clouds, extractor, tmp_path):
