@@ -16,6 +16,7 @@ from tetgan.models.measures import occupancy_iou
 from tetgan.models.options import TetganOptions
 from tetgan.models.registry import load_generator
 from tetgan.training import trainer as trainer_module
+from tetgan.training.learner import Learner
 from tetgan.training.options import TrainingOptions
 from tetgan.training.trainer import Trainer, train_model
 
@@ -123,20 +124,21 @@ def without_time(row: dict[str, str]) -> dict[str, str]:
 
 
 def test_a_run_with_a_head_start_resumes_as_well(tiny_index, tmp_path, monkeypatch):
-    options = brief(adversarial_start=1, head_start=0.5, checkpoint_seconds=0)
-    train_model(tiny_index, SMALL, options, 0, tmp_path / "whole")
+    model = SMALL.model_copy(update={"prior": "fitted"})
+    options = brief(adversarial_start=0.75, head_start=0.5, checkpoint_seconds=0)
+    train_model(tiny_index, model, options, 0, tmp_path / "whole")
     assert [row["validation_iou"] != "" for row in rows(tmp_path / "whole")] == [False, False, False, True]
-    start_head, stops = Trainer._start_head, [Killed]
+    start_head, stops = Learner.start_head, [Killed]
 
-    def stop_once(self):
+    def stop_once(self, batches):
         if stops:
             raise stops.pop()
-        start_head(self)
+        start_head(self, batches)
 
-    monkeypatch.setattr(Trainer, "_start_head", stop_once)
+    monkeypatch.setattr(Learner, "start_head", stop_once)
     with pytest.raises(Killed):
-        train_model(tiny_index, SMALL, options, 0, tmp_path / "stopped")
-    train_model(tiny_index, SMALL, options, 0, tmp_path / "stopped")
+        train_model(tiny_index, model, options, 0, tmp_path / "stopped")
+    train_model(tiny_index, model, options, 0, tmp_path / "stopped")
     assert weights(tmp_path / "stopped") == weights(tmp_path / "whole")
 
 

@@ -8,7 +8,7 @@ from torch import Tensor, nn
 
 
 class FieldGenerator(nn.Module, ABC):
-    """A model whose latents are standard normal.
+    """A model with an encoder, a decoder and a prior of its latents.
 
     Fields are (B, T, 4): occupancy, then displacement in units of the largest one. A decoded field has in
     place of the occupancy a logit, positive inside, and its displacement lies in [-1, 1].
@@ -28,5 +28,5 @@ class FieldGenerator(nn.Module, ABC):
         """Shape of one latent."""
 
     def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
-        """Draws of the prior N(0, I), on the CPU so that they do not depend on the device."""
+        """Draws of the prior, N(0, I) if nothing else is said, on the CPU whatever the device."""
         return torch.randn(count, *self.latent_shape, generator=generator)

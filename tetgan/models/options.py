@@ -21,9 +21,19 @@ class TetganOptions(Options):
     base_width: int | None = Field(
         None, ge=1, description="channels at the coarsest level; empty: as many as `code`, like the paper"
     )
+    prior: Literal["normal", "fitted"] = Field(
+        "normal",
+        description="codes drawn: independent normals, or the normal distribution of the training codes",
+    )
     pool: Literal["max", "mean"] = Field("max", description="how eight children become their parent")
     upsample: Literal["inverse_distance", "copy"] = Field(
         "inverse_distance", description="children average their parent and its neighbors, or copy the parent"
+    )
+    displacement_range: float = Field(
+        1.0,
+        gt=0,
+        le=1,
+        description="largest displacement the networks tell apart, a share of the largest there is",
     )
     local_critic_width: int = Field(16, ge=1, description="channels of the local critic's first convolution")
     global_critic_width: int = Field(64, ge=1, description="channels of the global critic's finest level")

@@ -13,6 +13,7 @@ from tetgan.grids.hierarchy import GridHierarchy
 from tetgan.models.generator import FieldGenerator
 from tetgan.models.layers import FIELD_CHANNELS, TetHierarchy, conv_layers, level_widths, tets_first
 from tetgan.models.options import TetganOptions
+from tetgan.models.prior import FittedPrior
 from tetgan.nn.conv import TetConv, TetNeighbors
 from tetgan.nn.norm import SLOPE
 from tetgan.nn.resample import TetPool
@@ -148,10 +149,17 @@ class TetganGenerator(FieldGenerator):
         self.encoder = Encoder(self.hierarchy, widths, options.pool)
         self.head = LatentHead(options, self.hierarchy.neighbors[0], widths[0])
         self.decoder = Decoder(self.hierarchy, widths)
+        self.range = options.displacement_range
+        self.prior = FittedPrior(self.head.latent_shape) if options.prior == "fitted" else None
 
     @property
     def latent_shape(self) -> tuple[int, ...]:
         return self.head.latent_shape
+
+    def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
+        if self.prior is None:
+            return super().sample_latent(count, generator)
+        return self.prior.sample(count, generator)
 
     def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
         return self.posterior(field)[0]
@@ -159,11 +167,15 @@ class TetganGenerator(FieldGenerator):
     def decode_features(self, features: Float[Tensor, "K B C"]) -> Float[Tensor, "B T 4"]:
         """Decode the coarsest features themselves, without the latent head."""
         field = self.decoder(features).transpose(0, 1).float()
-        return torch.cat([field[..., :1], field[..., 1:].tanh()], dim=-1)
+        return torch.cat([field[..., :1], self.range * field[..., 1:].tanh()], dim=-1)
+
+    def in_range(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B T 4"]:
+        """The field as the networks see it: displacements in units of the range, larger ones clipped."""
+        return torch.cat([field[..., :1], (field[..., 1:] / self.range).clamp(-1, 1)], dim=-1)
 
     def features(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "K B C"]:
         """The encoder's coarsest features, which the latent head reads."""
-        return self.encoder(tets_first(field))
+        return self.encoder(tets_first(self.in_range(field)))
 
     def posterior(
         self, field: Float[Tensor, "B T 4"]

@@ -104,13 +104,22 @@ class Learner:
         self.generator.head.start_from(features)
         self.average = WeightAverage(self.generator, self.training.ema)
 
+    @torch.no_grad()
+    def fit_prior(self, fields: Iterable[Float[Tensor, "B T 4"]]) -> None:
+        """Fit the prior, if it is one to be fitted, to the codes of these fields."""
+        if self.generator.prior is not None:
+            means, log_variances = zip(*map(self.generator.posterior, fields), strict=True)
+            self.generator.prior.fit(torch.cat(means), torch.cat(log_variances).exp())
+
     def _reconstruct(
         self, decoded: Float[Tensor, "B T 4"], field: Float[Tensor, "B T 4"], further: Float[Tensor, ""]
     ) -> Losses:
         """One Adam step towards a better reconstruction and a smaller `further` loss."""
         losses = {
             "occupancy_loss": occupancy_loss(decoded, field, self.training.positive_weight),
-            "displacement_loss": displacement_loss(decoded, field, self.vertices),
+            "displacement_loss": displacement_loss(
+                self.generator.in_range(decoded), self.generator.in_range(field), self.vertices
+            ),
         }
         weighted = self.training.displacement_weight * losses["displacement_loss"]
         self._step_generator(losses["occupancy_loss"] + weighted + further)
@@ -122,6 +131,7 @@ class Learner:
         assert self.critic_optimizer is not None
         with torch.no_grad():
             fake = self._fake(len(real), draws)
+        real = self.generator.in_range(real)
         share = torch.rand(len(real), generator=draws).to(self.device)
         losses, total = {}, torch.zeros((), device=self.device)
         for name, critic in self.critics.items():
@@ -152,7 +162,8 @@ class Learner:
     def _fake(self, count: int, draws: torch.Generator) -> Float[Tensor, "B T 4"]:
         latent = self.generator.sample_latent(count, draws).to(self.device)
         with self._precision():
-            return as_seen_by_critics(self.generator.decode(latent))
+            decoded = self.generator.decode(latent)
+        return as_seen_by_critics(self.generator.in_range(decoded))
 
     def _noise(self, like: Tensor, draws: torch.Generator) -> Tensor:
         """Standard normal, drawn on the CPU so that it does not depend on the device."""

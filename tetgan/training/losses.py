@@ -22,7 +22,7 @@ def occupancy_loss(
 def displacement_loss(
     decoded: Float[Tensor, "B T 4"], field: Float[Tensor, "B T 4"], vertices: RowMap
 ) -> Float[Tensor, ""]:
-    """Squared error of the vertex displacements of Eq. 3, per coordinate, in units of the largest one.
+    """Squared error of the vertex displacements of Eq. 3, per coordinate, in units of the range.
 
     `vertices` averages tets to vertices; it is linear, so the two fields are averaged as one difference.
     """

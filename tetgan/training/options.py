@@ -32,7 +32,7 @@ class TrainingOptions(Options):
     displacement_weight: float = Field(
         1.0,
         ge=0,
-        description="weight of the squared error of vertex displacements, in units of the largest one",
+        description="weight of the squared error of vertex displacements, in units of their range",
     )
     kl_weight: float = Field(1.0, ge=0, description="weight towards which the KL term rises")
     kl_decay: float = Field(

@@ -24,9 +24,13 @@ def bypass_steps(steps: int, options: TrainingOptions) -> int:
     return round(options.head_start * steps)
 
 
-def adversarial_step_due(step: int, steps: int, options: TrainingOptions) -> bool:
-    """Whether an adversarial round follows autoencoder step `step` of `steps`; none during the bypass."""
+def first_adversarial_step(steps: int, options: TrainingOptions) -> int:
+    """The autoencoder step after which critics begin: not during the bypass; `steps` where they never do."""
     if options.local_weight == options.global_weight == 0:
-        return False
-    start = max(options.adversarial_start * steps, bypass_steps(steps, options))
-    return step >= start and step % options.adversarial_every == 0
+        return steps
+    return max(math.ceil(options.adversarial_start * steps), bypass_steps(steps, options))
+
+
+def adversarial_step_due(step: int, steps: int, options: TrainingOptions) -> bool:
+    """Whether an adversarial round follows autoencoder step `step` of `steps`."""
+    return step >= first_adversarial_step(steps, options) and step % options.adversarial_every == 0

@@ -26,12 +26,18 @@ from tetgan.training.learner import Learner, Losses, step_draws
 from tetgan.training.options import TrainingOptions
 from tetgan.training.pictures import draw_decoded
 from tetgan.training.runlog import RunLog
-from tetgan.training.schedule import adversarial_step_due, bypass_steps, kl_weight, rate_factor
+from tetgan.training.schedule import (
+    adversarial_step_due,
+    bypass_steps,
+    first_adversarial_step,
+    kl_weight,
+    rate_factor,
+)
 from tetgan.training.validation import validate
 
 log = logging.getLogger(__name__)
 
-HEAD_SHAPES = 1024  # shapes whose features the latent head starts from, at most
+SOME_SHAPES = 1024  # from which the latent head starts and the prior is fitted, at most
 # Options that may change between a run and its resumption: the weights do not depend on them.
 WITHOUT_EFFECT = {"device", "validate_every", "picture_every", "checkpoint_seconds"}
 
@@ -116,7 +122,7 @@ class Trainer:
             losses = self.learner.bypass_step(self._batch(), draws)
         else:
             if self.step == self.bypass > 0:
-                self._start_head()
+                self.learner.start_head(self._some_batches())
             weight = kl_weight(self.step * self.training.batch_size, self.training)
             losses = self.learner.autoencoder_step(self._batch(), weight, draws)
         if adversarial_step_due(self.step, self.steps, self.training):
@@ -131,10 +137,10 @@ class Trainer:
         size = self.training.batch_size
         return self.data.batch(order[place * size : (place + 1) * size], self.device)
 
-    def _start_head(self) -> None:
-        rows = torch.randperm(len(self.data), generator=step_draws(self.seed, self.step))[:HEAD_SHAPES]
-        batches = rows.split(self.training.batch_size)
-        self.learner.start_head(self.data.batch(batch, self.device) for batch in batches)
+    def _some_batches(self) -> Iterator[Tensor]:
+        """Training shapes enough to know how features or codes are distributed."""
+        rows = torch.randperm(len(self.data), generator=step_draws(self.seed, self.step))[:SOME_SHAPES]
+        return (self.data.batch(batch, self.device) for batch in rows.split(self.training.batch_size))
 
     def _adversarial_round(self, draws: torch.Generator) -> Losses:
         size = self.training.batch_size
@@ -156,8 +162,11 @@ class Trainer:
             if whole and len(self.held_out) > 0 and (last or epoch % training.validate_every == 0):
                 further |= self._validate()
             if whole and (last or epoch % training.picture_every == 0):
+                self.learner.fit_prior(self._some_batches())
                 picture = self.folder / f"decoded_{epoch:04d}.png"
                 draw_decoded(picture, self.learner.generator, self.store, training.device)
+        if whole and self.step + self.steps_per_epoch > first_adversarial_step(self.steps, training):
+            self.learner.fit_prior(self._some_batches())  # for the fields that the critics of this epoch see
         row = self.log.finish_epoch(epoch, further)
         if not math.isfinite(row["occupancy_loss"]):
             raise UserError(f"{self.folder}: training diverged in epoch {epoch}; lower learning_rate")
@@ -186,6 +195,7 @@ class Trainer:
 
     def _finish(self) -> None:
         with self.learner.average.applied():
+            self.learner.fit_prior(self._some_batches())
             save_generator(
                 self.folder,
                 self.learner.generator,

@@ -20,7 +20,8 @@ def validate(
         field = data.batch(rows, device)
         decoded = generator.decode(generator.encode(field))
         iou = occupancy_iou((decoded[..., 0] > 0).cpu().numpy(), data.occupancy[rows].numpy())
-        losses = occupancy_loss(decoded, field, 1.0), displacement_loss(decoded, field, vertices)
+        compared = displacement_loss(generator.in_range(decoded), generator.in_range(field), vertices)
+        losses = occupancy_loss(decoded, field, 1.0), compared
         sums += [iou.sum(), *(len(rows) * float(loss) for loss in losses)]
     names = ("validation_iou", "validation_occupancy_loss", "validation_displacement_loss")
     return {name: float(value) for name, value in zip(names, sums / len(data), strict=True)}
