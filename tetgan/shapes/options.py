@@ -81,7 +81,10 @@ class RepairOptions(Options):
     )
     resolution: int = Field(20_000, ge=1_000, le=1_000_000, description="manifold: leaves of the octree")
     alpha: float = Field(
-        0.025, gt=0, le=0.5, description="alpha_wrap: smallest opening entered, fraction of the longest side"
+        0.025,
+        gt=0,
+        le=0.5,
+        description="alpha_wrap: gaps narrower than twice this fraction of the longest side close",
     )
     offset: float = Field(
         0.001, gt=0, le=0.1, description="alpha_wrap: outward offset, fraction of the longest side"
