@@ -69,6 +69,17 @@ def test_a_model_overrides_the_common_training_options():
     assert (config.training_of("m").epochs, config.training_of("m").batch_size) == (9, 3)
 
 
+def test_an_entry_of_another_kind_drops_what_the_default_said_of_its_own():
+    values = copy.deepcopy(DEFAULT)
+    update_config(values, {"sources": {"chair": {"kind": "directory", "path": "my/chairs"}}})
+    assert "count" in values["sources"]["chair"]  # Snakemake keeps it
+    chair = load_config(values)["sources"]["chair"]
+    assert (chair["kind"], chair["path"]) == ("directory", "my/chairs")
+    values["sources"]["chair"]["pth"] = "my/chairs"
+    with pytest.raises(UserError, match=r"pth: unknown key; did you mean 'path'"):
+        load_config(values)
+
+
 def test_reductions_name_what_is_smaller_than_in_the_paper():
     config = Config.parse(changed(models={"m": {"kind": "tetgan", "grid": "LR", "width": 16}}))
     assert f"width 16 (paper {PAPER['width']})" in config.reductions("m")

@@ -7,7 +7,7 @@ tells whether it is in step. These classes are the one place that knows types, r
 import argparse
 import sys
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import yaml
 from pydantic import Field, model_validator
@@ -126,7 +126,25 @@ def load_config(values: dict[str, Any]) -> dict[str, Any]:
     Raises:
         UserError: a key is unknown or a value out of range; one line that names it.
     """
-    return Config.parse(values).model_dump(mode="json")
+    own = dict(values)
+    for section, union in (("sources", SourceOptions), ("models", ModelOptions)):
+        if isinstance(values.get(section), dict):
+            own[section] = {name: _of_one_kind(part, union) for name, part in values[section].items()}
+    return Config.parse(own).model_dump(mode="json")
+
+
+def _of_one_kind(part: Any, union: Any) -> Any:
+    """`part` without the keys that belong to another kind alone.
+
+    Snakemake lays a config over the default key by key, so an entry whose kind is changed keeps the keys of
+    the kind it had. A key that no kind knows stays, and is an error.
+    """
+    kinds = {kind.model_fields["kind"].annotation: kind for kind in get_args(get_args(union)[0])}
+    fields = {get_args(tag)[0]: set(kind.model_fields) for tag, kind in kinds.items()}
+    if not isinstance(part, dict) or part.get("kind") not in fields:
+        return part
+    foreign = set().union(*fields.values()) - fields[part["kind"]]
+    return {key: value for key, value in part.items() if key not in foreign}
 
 
 def schema_text() -> str:
