@@ -137,7 +137,7 @@ def _warnings(reports: Sequence[Mapping[str, Any]]) -> list[str]:
         for smoothing, section in report["smoothings"].items():
             name = report["model"] if report["model"] == "real" else f"{report['model']} ({smoothing})"
             missing = section["generated"]["expected"] - section["generated"]["found"]
-            lost = [f"{missing} generated shapes have no surface and are left out"] if missing else []
+            lost = [f"Generated shapes without a surface, left out: {missing}"] if missing else []
             for note in [*section["notes"], *lost]:
                 rows.setdefault(note, []).append(name)
     total = sum(len(report["smoothings"]) for report in reports)

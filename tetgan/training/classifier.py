@@ -31,7 +31,7 @@ from tetgan.training.extractor_options import ExtractorOptions
 
 _log = logging.getLogger(__name__)
 
-# Clouds prepared or classified at once outside training: buffers that stay in cache are several times faster.
+# Clouds prepared or classified at once outside training; more only takes memory.
 _CHUNK = 8
 
 
