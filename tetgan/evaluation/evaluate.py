@@ -60,7 +60,9 @@ def evaluate_model(
     if not folders:
         raise UserError(f"{samples}: no samples; expected a folder 'none' or 'wls' in it")
     classifier = _load_extractor(extractor)
-    holdout = draw_real(read_clouds(clouds).holdout, "holdout", classifier, options)
+    real = read_clouds(clouds)
+    options = _within_holdout(options, len(real.holdout))
+    holdout = draw_real(real.holdout, "holdout", classifier, options)
     yardstick = _Yardstick(options, classifier, holdout, threads)
     reconstructions = _measure_reconstructions(folders, meshes, options)
     sections = {
@@ -95,18 +97,24 @@ def evaluate_real(
         UserError: an input that is not what it should be.
     """
     classifier = _load_extractor(extractor)
+    real = read_clouds(clouds)
+    options = _within_holdout(options, len(real.holdout))
     repaired = _measure_repaired(meshes, _splits(catalogue), options)
     section = Section(options)
     section.add_distances(repaired.floor)
     section.add_means({"faces": repaired.faces, "manifold_edges": repaired.manifold})
     section.add_variety(repaired.samples, threads)
-    real = read_clouds(clouds)
     holdout = draw_real(real.holdout, "holdout", classifier, options)
     train = draw_real(real.train, "train", classifier, options)
     section.add_feature_distances(train.features, train.available, holdout)
     section.count("generated", len(repaired.faces), len(repaired.faces))
     identity = {"category": category, "model": "real"}
     _write_report(identity, classifier, options, {"none": section}, out)
+
+
+def _within_holdout(options: EvaluationOptions, held_out: int) -> EvaluationOptions:
+    """Options that ask for no more surfaces than are held out, so that every row has the same N; at least 2."""
+    return options.model_copy(update={"samples": max(2, min(options.samples, held_out))})
 
 
 class _Yardstick(NamedTuple):

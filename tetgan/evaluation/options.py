@@ -67,7 +67,9 @@ class EvaluationOptions(Options):
         description="distance within which a point counts as found, as a fraction of the unit cube",
     )
     samples: int = Field(
-        default=256, ge=2, description="surfaces on each side of the Fréchet and kernel distances"
+        default=256,
+        ge=2,
+        description="most surfaces on each side of FID and KID; as many as are held out, where those are fewer",
     )
     variety: VarietyOptions = VarietyOptions()
     kernel: KernelOptions = KernelOptions()
