@@ -1,39 +1,7 @@
-"""A copy of the workflow in an empty folder, and the smoke run, made once for all tests."""
-
-import os
-import shutil
-import subprocess
-import sys
-from pathlib import Path
+"""The smoke run, made once for all tests."""
 
 import pytest
-
-ROOT = Path(__file__).parent.parent.parent
-TARGETS = ["results/smoke/tables/chair.csv", "results/smoke/figures/chair/samples.png"]
-
-
-class Project:
-    """A folder with the workflow in it, in which Snakemake runs as a person would run it."""
-
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        for name in ("config", "workflow"):
-            shutil.copytree(ROOT / name, folder / name)
-        shutil.copy(ROOT / "Snakefile", folder)
-
-    def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:
-        scripts = Path(sys.executable).parent
-        return subprocess.run(
-            [scripts / "snakemake", "--cores", "2", *arguments],
-            cwd=self.folder,
-            env=os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"},
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-
-    def smoke(self, *arguments: str) -> subprocess.CompletedProcess:
-        return self.snakemake("--configfile", "config/smoke.yaml", *arguments)
+from smoke_project import TARGETS, Project, planned
 
 
 @pytest.fixture(scope="session")
@@ -49,14 +17,3 @@ def smoked(project):
     assert result.returncode == 0, result.stdout + result.stderr
     after = planned(project.snakemake("-n", "results/tables/chair.csv"))
     return project, before, after
-
-
-def planned(result: subprocess.CompletedProcess) -> dict[str, int]:
-    """Jobs of a dry run by rule, from the table of job counts."""
-    assert result.returncode == 0, result.stdout + result.stderr
-    jobs = {}
-    for line in result.stdout.splitlines():
-        words = line.split()
-        if len(words) == 2 and words[1].isdigit() and words[0] != "total":
-            jobs[words[0]] = int(words[1])
-    return jobs
