@@ -8,7 +8,7 @@ from tetgan.options import Options
 
 
 class TetganOptions(Options):
-    """TetGAN: a variational autoencoder on a tetrahedral hierarchy and its two critics (DESIGN §4)."""
+    """TetGAN: a variational autoencoder on a tetrahedral hierarchy and its two critics."""
 
     kind: Literal["tetgan"] = "tetgan"
     grid: str = Field(description="name of the grid, a key of `grids`")

@@ -1,4 +1,4 @@
-"""TetGAN's autoencoder: encoder, latent head and decoder (paper's supplement A; DESIGN §4)."""
+"""TetGAN's autoencoder: encoder, latent head and decoder (paper's supplement A)."""
 
 import math
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Tetrahedral convolution: a tet and its four face neighbors, five weight matrices (DESIGN §7)."""
+"""Tetrahedral convolution: a tet and its four face neighbors, five weight matrices."""
 
 import math
 from collections.abc import Iterator

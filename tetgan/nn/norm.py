@@ -13,7 +13,7 @@ SLOPE = 0.2
 class TetInstanceNorm(nn.Module):
     """Each channel of each shape to mean 0 and variance 1 over the tets, then leaky ReLU of slope 0.2.
 
-    No learned scale, eps 1e-5 (DESIGN §4). The two are one function because apart they would keep twice the
+    No learned scale, eps 1e-5. The two are one function because apart they would keep twice the
     memory and, being bound by it, take twice the time.
     """
 

@@ -13,8 +13,9 @@ from tetgan.shapes.messages import read_message, write_message
 from tetgan.shapes.options import RepairOptions
 from tetgan.shapes.soup import ShapeError, Soup
 
-# The child watches its own processor time; one that uses none is waited for this many times as long.
-_PATIENCE = 20.0
+# The child watches its own processor time; one that sleeps is waited for this long, on however busy a machine.
+_START_SECONDS = 60.0
+_PATIENCE = 20.0  # wall seconds a processor second
 
 
 class RepairWorker:
@@ -30,6 +31,7 @@ class RepairWorker:
         default = (sys.executable, "-m", "tetgan.shapes.repair_worker", options.model_dump_json())
         self._program = tuple(program or default)
         self._timeout = options.timeout_seconds
+        self._patience = _START_SECONDS + _PATIENCE * options.timeout_seconds
         self._process: subprocess.Popen[bytes] | None = None
 
     def __enter__(self) -> "RepairWorker":
@@ -64,7 +66,7 @@ class RepairWorker:
             write_message(process.stdin, {"vertices": soup.vertices, "faces": soup.faces})
         except BrokenPipeError:
             raise ShapeError(self._obituary()) from None
-        ready, _, _ = select.select([process.stdout], [], [], _PATIENCE * self._timeout)
+        ready, _, _ = select.select([process.stdout], [], [], self._patience)
         if not ready:
             self.close()
             raise ShapeError("repair hangs")

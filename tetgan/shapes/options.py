@@ -81,7 +81,7 @@ class RepairOptions(Options):
     )
     resolution: int = Field(20_000, ge=1_000, le=1_000_000, description="manifold: leaves of the octree")
     alpha: float = Field(
-        0.025,
+        0.02,
         gt=0,
         le=0.5,
         description="alpha_wrap: gaps narrower than twice this fraction of the longest side close",

@@ -1,4 +1,4 @@
-"""What the networks are trained on (paper, section 3.2; DESIGN §4); means all, whatever the sizes."""
+"""What the networks are trained on (paper, section 3.2); means all, whatever the sizes."""
 
 from collections.abc import Callable
 

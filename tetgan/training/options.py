@@ -1,4 +1,4 @@
-"""How TetGAN is trained. The defaults are the paper's (DESIGN §4)."""
+"""How TetGAN is trained. The defaults are the paper's."""
 
 from typing import Literal
 
