@@ -1,6 +1,6 @@
 import string
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tetgan.shapes.entries import draw_entries, name_entries
@@ -8,6 +8,7 @@ from tetgan.shapes.entries import draw_entries, name_entries
 _SAFE = set(string.ascii_letters + string.digits + "._-")
 
 
+@settings(deadline=None)
 @given(names=st.lists(st.text(max_size=150), max_size=12))
 def test_ids_are_unique_and_safe_file_names(names: list[str]) -> None:
     entries = name_entries((name, f"{number}/{name}", None) for number, name in enumerate(names))
@@ -27,6 +28,7 @@ def test_readable_names_stay_and_the_order_of_listing_does_not_matter() -> None:
     assert entries == name_entries(reversed(places))
 
 
+@settings(deadline=None)
 @given(count=st.integers(2, 40), limit=st.integers(2, 40))
 def test_a_larger_limit_only_adds_shapes(count: int, limit: int) -> None:
     entries = name_entries((f"s{number}", f"s{number}", None) for number in range(count))

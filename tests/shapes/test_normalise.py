@@ -1,12 +1,13 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from tetgan.shapes.normalise import normalise
 
 
+@settings(deadline=None)
 @given(
     vertices=hnp.arrays(np.float64, (6, 3), elements=st.floats(-1e3, 1e3)).filter(
         lambda v: np.ptp(v, axis=0).max() > 1e-3

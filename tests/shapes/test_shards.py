@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from soups import box, join, without_side, write_off
 
@@ -168,6 +168,7 @@ def test_the_same_shape_twice_is_noticed(zips: list[Path], tmp_path: Path) -> No
         gather_catalogue([zips[0], zips[0]], SplitOptions(), tmp_path / "catalogue.csv")
 
 
+@settings(deadline=None)
 @given(count=st.integers(0, 50), parts=st.integers(1, 20))
 def test_shards_partition_the_list(count: int, parts: int) -> None:
     entries = [ShapeEntry(f"{number:03d}", "") for number in range(count)]

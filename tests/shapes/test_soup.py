@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from soups import box, join
 
@@ -63,6 +63,7 @@ def test_unused_vertices_and_degenerate_faces_go_and_the_rest_stays() -> None:
     assert len(clean.vertices) == 8
 
 
+@settings(deadline=None)
 @given(
     scale=st.floats(1e-6, 1e6),
     shift=st.lists(st.floats(-10, 10), min_size=3, max_size=3),

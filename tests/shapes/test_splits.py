@@ -1,6 +1,6 @@
 from collections import Counter
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tetgan.shapes.entries import ShapeEntry
@@ -17,6 +17,7 @@ def test_five_train_where_one_validates() -> None:
     assert counts == {"train": 500, "validation": 100}
 
 
+@settings(deadline=None)
 @given(count=st.integers(0, 80), seed=st.integers(0, 99), order=st.randoms())
 def test_every_shape_has_a_split_whatever_order_they_come_in(count: int, seed: int, order) -> None:
     entries, options = _entries(count), SplitOptions(seed=seed)
