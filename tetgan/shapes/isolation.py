@@ -13,7 +13,7 @@ from tetgan.shapes.messages import read_message, write_message
 from tetgan.shapes.options import RepairOptions
 from tetgan.shapes.soup import ShapeError, Soup
 
-# The child watches its own processor time; one that sleeps is waited for this long, on however busy a machine.
+# The child watches its own processor time; one that sleeps is waited for this long, on a busy machine too.
 _START_SECONDS = 60.0
 _PATIENCE = 20.0  # wall seconds a processor second
 
