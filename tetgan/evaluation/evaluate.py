@@ -113,7 +113,7 @@ def evaluate_real(
 
 
 def _within_holdout(options: EvaluationOptions, held_out: int) -> EvaluationOptions:
-    """Options that ask for no more surfaces than are held out, so that every row has the same N; at least 2."""
+    """Options that ask for no more surfaces than are held out, so that every row has the same N."""
     return options.model_copy(update={"samples": max(2, min(options.samples, held_out))})
 
 

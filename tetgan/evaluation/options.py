@@ -69,7 +69,7 @@ class EvaluationOptions(Options):
     samples: int = Field(
         default=256,
         ge=2,
-        description="most surfaces on each side of FID and KID; as many as are held out, where those are fewer",
+        description="most surfaces on each side of FID and KID; fewer where fewer are held out",
     )
     variety: VarietyOptions = VarietyOptions()
     kernel: KernelOptions = KernelOptions()
