@@ -22,7 +22,7 @@ class Project:
     def snakemake(self, *arguments: str) -> subprocess.CompletedProcess:
         scripts = Path(sys.executable).parent
         return subprocess.run(
-            [scripts / "snakemake", "--cores", "2", *arguments],
+            [scripts / "snakemake", *arguments, "--cores", "2"],
             cwd=self.folder,
             env=os.environ | {"PATH": f"{scripts}{os.pathsep}{os.environ['PATH']}"},
             capture_output=True,
@@ -31,7 +31,7 @@ class Project:
         )
 
     def smoke(self, *arguments: str) -> subprocess.CompletedProcess:
-        return self.snakemake("--configfile", "config/smoke.yaml", *arguments)
+        return self.snakemake(*arguments, "--configfile", "config/smoke.yaml")
 
 
 def planned(result: subprocess.CompletedProcess) -> dict[str, int]:
