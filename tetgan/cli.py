@@ -69,6 +69,9 @@ def _options(kind: Any, text: str, name: str) -> Any:
 def _use_threads(count: int) -> None:
     import torch
 
+    from tetgan.training.memory import keep_freed_memory
+
+    keep_freed_memory()
     torch.set_num_threads(count)
 
 
@@ -218,11 +221,11 @@ def extractor(
 
     Example: `tetgan extractor chair.npz sofa.npz extractor`
     """
-    from tetgan.training.classifier import train_classifier
+    from tetgan.evaluation.extractor import train_extractor
     from tetgan.training.extractor_options import ExtractorOptions
 
     _use_threads(threads)
-    train_classifier(
+    train_extractor(
         clouds, [cloud.stem for cloud in clouds], _options(ExtractorOptions, options, "--options"), folder
     )
 

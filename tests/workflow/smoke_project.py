@@ -40,6 +40,6 @@ def planned(result: subprocess.CompletedProcess) -> dict[str, int]:
     jobs = {}
     for line in result.stdout.splitlines():
         words = line.split()
-        if len(words) == 2 and words[1].isdigit() and words[0] != "total":
+        if len(words) == 2 and words[1].isdigit() and not words[0].endswith(":") and words[0] != "total":
             jobs[words[0]] = int(words[1])
     return jobs

@@ -44,11 +44,11 @@ rule train_extractor:
         "../envs/tetgan.yaml"
     threads: 2
     resources:
-        mem_mb=4000,
+        mem_mb=5000,
     params:
         folder=subpath(output.weights, parent=True),
         options=section("extractor"),
-        code=stage_digest("models/pointnet2", "training/classifier"),
+        code=stage_digest("models/pointnet2", "training/classifier", "evaluation"),
     shell:
         "tetgan extractor {input.clouds:q} {params.folder:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"

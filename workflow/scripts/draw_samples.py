@@ -20,7 +20,7 @@ BLANK = np.full((SIZE[1], SIZE[0], 3), 255, dtype=np.uint8)
 
 
 def picture(vertices, faces, **options):
-    return render_mesh(np.asarray(vertices, float), np.asarray(faces), size=SIZE, span=1.05, **options)
+    return render_mesh(np.asarray(vertices, float), np.asarray(faces), size=SIZE, span=1.3, **options)
 
 
 def surface_picture(path: Path):
