@@ -63,6 +63,7 @@ def test_help_imports_nothing_heavy():
         ),
         (["train", "absent.json", "model", "--model", "{kind: pca, grid: LR}"], ["absent.json"]),
         (["sample", "absent", "absent.json", "out"], ["absent"]),
+        (["sample", "absent", "absent.json", "out", "--mode", "smooth"], ["mode", "'paper'", "smooth"]),
     ],
 )
 def test_a_mistake_is_one_line_without_a_traceback(arguments, words, tmp_path, monkeypatch):

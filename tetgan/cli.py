@@ -251,7 +251,7 @@ def sample(
     from tetgan.meshing.options import MeshingOptions
     from tetgan.models.samples import write_samples
 
-    chosen = _options(MeshingOptions, options, "--options").model_copy(update={"mode": mode})
+    chosen = MeshingOptions.parse(_plain(options, "--options") | {"mode": mode}, "sample")
     with whole_folder(folder) as partial:
         write_samples(model, index, partial, count=count, options=chosen, seed=seed)
 

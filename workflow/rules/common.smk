@@ -94,5 +94,5 @@ def fields_mem_mb(wildcards, attempt):
 
 
 def training_mem_mb(wildcards, attempt):
-    """Memory of one training run, measured on the laptop settings (docs/training.md), doubled a retry."""
+    """Memory of one training run: a bound for laptop sizes, more at each retry; paper sizes need a profile."""
     return attempt * 4000
