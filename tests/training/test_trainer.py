@@ -4,6 +4,10 @@ import csv
 import json
 import logging
 import shutil
+import signal
+import subprocess
+import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -117,6 +121,31 @@ def test_a_run_that_was_stopped_ends_like_one_that_was_not(
     train_model(tiny_index, SMALL, options, 0, tmp_path)
     assert weights(tmp_path) == weights(in_one_go)
     assert [without_time(row) for row in rows(tmp_path)] == [without_time(row) for row in rows(in_one_go)]
+
+
+def test_a_run_killed_by_the_system_ends_like_one_that_was_not(tiny_index, tmp_path):
+    """SIGKILL at whatever step, read or write the process happens to be in; then the same command again."""
+    training = BRIEF | {"epochs": 40, "checkpoint_seconds": 0, "adversarial_start": 1}
+    commands = {
+        name: [
+            *(sys.executable, "-c", "from tetgan.cli import main; main()"),
+            *("train", str(tiny_index), str(tmp_path / name)),
+            *("--model", SMALL.model_dump_json(), "--training", json.dumps(training), "--threads", "1"),
+        ]
+        for name in ("whole", "killed")
+    }
+    killed = subprocess.Popen(commands["killed"], stderr=subprocess.DEVNULL)
+    until = time.monotonic() + 60
+    while not (tmp_path / "killed" / "checkpoint.pt").is_file() and time.monotonic() < until:
+        time.sleep(0.01)
+    killed.kill()
+    assert killed.wait() == -signal.SIGKILL, "the run ended before it was killed"
+    resumed, _ = (
+        subprocess.run(command, check=True, capture_output=True, text=True)
+        for command in reversed(commands.values())
+    )
+    assert "resumed at step" in resumed.stderr
+    assert weights(tmp_path / "killed") == weights(tmp_path / "whole")
 
 
 def without_time(row: dict[str, str]) -> dict[str, str]:
