@@ -17,7 +17,7 @@ rule train_model:
         "<benchmarks>/train_model/{category}/{model}/{seed}.tsv"
     conda:
         "../envs/tetgan.yaml"
-    threads: 2
+    threads: training_threads
     resources:
         mem_mb=training_mem_mb,
     params:
