@@ -94,7 +94,7 @@ def fields_mem_mb(wildcards, attempt):
 
 
 def training_threads(wildcards):
-    """Cores of one training: models train side by side, as a second core speeds one up by a sixth only."""
+    """Cores of one training: several run side by side, as a second core speeds one up by a sixth only."""
     return max(1, (workflow.cores or 1) // max(1, len(SHOWN_MODELS)))
 
 

@@ -18,6 +18,7 @@ rule train_model:
     conda:
         "../envs/tetgan.yaml"
     threads: training_threads
+    priority: 1 # the longest jobs start first
     resources:
         mem_mb=training_mem_mb,
     params:
@@ -42,7 +43,7 @@ rule train_extractor:
         "<benchmarks>/train_extractor.tsv"
     conda:
         "../envs/tetgan.yaml"
-    threads: 2
+    threads: training_threads
     resources:
         mem_mb=5000,
     params:
