@@ -15,10 +15,10 @@ rule train_model:
         "<logs>/train_model/{category}/{model}/{seed}.log",
     benchmark:
         "<benchmarks>/train_model/{category}/{model}/{seed}.tsv"
+    priority: 1  # the longest jobs start first
     conda:
         "../envs/tetgan.yaml"
     threads: training_threads
-    priority: 1 # the longest jobs start first
     resources:
         mem_mb=training_mem_mb,
     params:
