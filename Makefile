@@ -26,7 +26,7 @@ chair: setup  ## The main job: raw meshes in, results/tables/chair.csv out
 	$(BIN)/snakemake --cores $(CORES) results/tables/chair.csv results/figures/chair/samples.png
 
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
-	$(BIN)/snakemake results/smoke/tables/chair.csv --cores $(CORES) --configfile config/smoke.yaml
+	$(BIN)/snakemake --cores $(CORES) --configfile=config/smoke.yaml results/smoke/tables/chair.csv
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 	$(BIN)/python -m pytest $(if $(PYTEST),$(PYTEST),-m "not slow")
