@@ -58,7 +58,8 @@ def kid(
 
     Bińkowski et al. (2018), section 4: zero on average when both sets come from one distribution, whatever
     their size, so it can be negative. They publish the mean over random blocks, which tends to the value of
-    all samples given here, and the deviation over blocks. A block takes at most all of a set.
+    all samples given here, and the deviation over blocks. A block takes at most all of a set; where it takes all of both, blocks
+    do not differ and the deviation is missing.
 
     Raises:
         ValueError: a set has fewer than two samples.
@@ -68,7 +69,8 @@ def kid(
     values = kernels.discrepancies(
         _block_counts(len(first), block, blocks, rng), _block_counts(len(second), block, blocks, rng)
     )
-    return KernelDistance(float(whole[0]), float(values.std(ddof=1)) if blocks > 1 else float("nan"))
+    told_apart = blocks > 1 and block < max(len(first), len(second))
+    return KernelDistance(float(whole[0]), float(values.std(ddof=1)) if told_apart else float("nan"))
 
 
 def kid_interval(
