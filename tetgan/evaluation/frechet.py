@@ -58,8 +58,8 @@ def kid(
 
     Bińkowski et al. (2018), section 4: zero on average when both sets come from one distribution, whatever
     their size, so it can be negative. They publish the mean over random blocks, which tends to the value of
-    all samples given here, and the deviation over blocks. A block takes at most all of a set; where it takes all of both, blocks
-    do not differ and the deviation is missing.
+    all samples given here, and the deviation over blocks. A block takes at most all of a set; where it
+    takes all of both, blocks do not differ and the deviation is missing.
 
     Raises:
         ValueError: a set has fewer than two samples.
