@@ -20,6 +20,9 @@ SHOWN_MODELS = [
     name for name, model in SETTINGS.models.items() if model.kind == "tetgan"
 ]
 
+# Every table and figure of the target `paper`: each file of rules adds its own.
+PAPER_TARGETS = []
+
 
 def stage_digest(*rooms):
     """Digest of the modules behind a stage: editing one of them makes the stage run again.
