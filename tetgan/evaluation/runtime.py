@@ -268,7 +268,7 @@ def _render(table: pd.DataFrame) -> str:
     columns = {
         "Stage": table["stage"],
         "Category": table["category"].map(plain),
-        "Model or grid": table["model"].fillna(table["grid"]).fillna(table["sampling"]).map(plain),
+        "Of": table[["model", "grid", "sampling"]].apply(_first_known, axis=1),
         "Mode": table["mode"].map(plain),
         "Jobs measured": [
             "" if pd.isna(jobs) else f"{measured} of {jobs}"
@@ -283,6 +283,10 @@ def _render(table: pd.DataFrame) -> str:
         "Paper": table["paper"].map(plain),
     }
     return page("Time and memory", markdown_table(columns), notes=_NOTES)
+
+
+def _first_known(row: pd.Series) -> str:
+    return next((str(value) for value in row if not pd.isna(value)), "")
 
 
 def _figure(value: float | None) -> str:
