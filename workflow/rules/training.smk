@@ -15,6 +15,7 @@ rule train_model:
         "<logs>/train_model/{category}/{model}/{seed}.log",
     benchmark:
         "<benchmarks>/train_model/{category}/{model}/{seed}.tsv"
+    priority: 1  # the longest jobs start first
     conda:
         "../envs/tetgan.yaml"
     threads: training_threads
@@ -42,7 +43,7 @@ rule train_extractor:
         "<benchmarks>/train_extractor.tsv"
     conda:
         "../envs/tetgan.yaml"
-    threads: 2
+    threads: training_threads
     resources:
         mem_mb=5000,
     params:
