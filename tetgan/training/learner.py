@@ -65,9 +65,9 @@ class Learner:
 
     def _build_critics(self, options: TetganOptions) -> nn.ModuleDict:
         maps, critics = self.generator.hierarchy, nn.ModuleDict()
-        if self.training.adversarial_start < 1 and self.training.local_weight > 0:
+        if self.training.adversarial_start < 1 and self.training.local_weight != 0:
             critics["local"] = LocalCritic(maps, options.local_critic_width)
-        if self.training.adversarial_start < 1 and self.training.global_weight > 0:
+        if self.training.adversarial_start < 1 and self.training.global_weight != 0:
             critics["global"] = GlobalCritic(maps, options.global_critic_width)
         return critics
 
@@ -145,7 +145,10 @@ class Learner:
         return losses
 
     def adversarial_step(self, count: int, draws: torch.Generator) -> Losses:
-        """One Adam step of the decoder towards higher scores of `count` decoded draws of the prior."""
+        """One Adam step of the decoder towards higher scores of `count` decoded draws of the prior.
+
+        Towards lower ones of a critic whose weight is negative, as in the official code.
+        """
         self.critics.requires_grad_(False)
         fake = self._fake(count, draws)
         total = torch.zeros((), device=self.device)
