@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.build import build_solid
@@ -15,7 +15,7 @@ from tetgan.meshing.quality import quality_record
 
 def write_solids(
     folder: Path,
-    fields: Iterable[tuple[str, Field, Mapping[str, Any]]],
+    fields: Iterable[tuple[str, Field | VertexField, Mapping[str, Any]]],
     grid: TetGrid,
     mu: float,
     options: MeshingOptions,
