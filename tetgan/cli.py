@@ -191,6 +191,9 @@ def train(
     training: OptionsText = "{}",
     seed: Seed = 0,
     threads: Threads = 2,
+    of: Annotated[
+        Path | None, typer.Option(help="Folder of the trained TetGAN that a `deftet` stands on.")
+    ] = None,
 ) -> None:
     """Train a model on the fields of one category; run again, it goes on where it was stopped.
 
@@ -207,6 +210,7 @@ def train(
         _options(TrainingOptions, training, "--training"),
         seed,
         folder,
+        of=of,
     )
 
 
@@ -333,3 +337,22 @@ def table(
     from tetgan.evaluation.tables import write_table
 
     write_table(metrics, paper, category, out)
+
+
+@app.command()
+def ablation(
+    metrics: Annotated[list[Path], typer.Argument(help="Metrics of the full model, then of the others.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    category: Category,
+    paper: Annotated[Path, typer.Option(help="The paper's published figures (.csv).")],
+    changes: Annotated[
+        str, typer.Option(help="How each model differs, by name; JSON, or the path of a YAML or JSON file.")
+    ] = "{}",
+) -> None:
+    """Set models that lack a part, or have another, beside the full one; rows keep the order of the files.
+
+    Example: `tetgan ablation full.json no-local.json ablation.csv --category chair --paper paper.csv`
+    """
+    from tetgan.evaluation.ablation import write_ablation
+
+    write_ablation(metrics, paper, category, out, _plain(changes, "--changes"))

@@ -6,6 +6,8 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from tetgan.fields.field import Field, VertexField
+
 
 class LatentModel(nn.Module, ABC):
     """A decoder with a prior of its latents."""
@@ -34,3 +36,7 @@ class FieldGenerator(LatentModel):
     @abstractmethod
     def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "B T 4"]:
         """Occupancy logit and displacement of each latent."""
+
+    def meshed(self, field: Field) -> Field | VertexField:
+        """What becomes a mesh where `field`, in cube sides, was decoded: itself, if nothing else is said."""
+        return field

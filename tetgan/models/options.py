@@ -25,9 +25,17 @@ class TetganOptions(Options):
         "normal",
         description="codes drawn: independent normals, or the normal distribution of the training codes",
     )
+    convolution: Literal["tet", "shared"] = Field(
+        "tet",
+        description="a matrix for each of the four neighbors (tet), or one shared by them, as in a graph "
+        "convolution (shared); the critics' too",
+    )
     pool: Literal["max", "mean"] = Field("max", description="how eight children become their parent")
     upsample: Literal["inverse_distance", "copy"] = Field(
         "inverse_distance", description="children average their parent and its neighbors, or copy the parent"
+    )
+    displacement: bool = Field(
+        True, description="learn the displacement field; no: occupancy alone, and vertices stay on the grid"
     )
     displacement_range: float = Field(
         1.0,
@@ -37,6 +45,22 @@ class TetganOptions(Options):
     )
     local_critic_width: int = Field(16, ge=1, description="channels of the local critic's first convolution")
     global_critic_width: int = Field(64, ge=1, description="channels of the global critic's finest level")
+    training: dict[str, Any] = Field(
+        default_factory=dict, description="training options that differ for this model"
+    )
+    meshing: dict[str, Any] = Field(
+        default_factory=dict, description="meshing options that differ for this model"
+    )
+
+
+class DeftetOptions(Options):
+    """DefTet's surface network: a graph convolution moves the boundary that another model decodes."""
+
+    kind: Literal["deftet"]
+    grid: str = Field(description="name of the grid, a key of `grids`")
+    of: str = Field(description="name of the TetGAN model that gives the occupancy, on the same grid")
+    width: int = Field(64, ge=1, description="channels of the graph convolutions")
+    blocks: int = Field(3, ge=1, description="residual blocks of two graph convolutions each")
     training: dict[str, Any] = Field(
         default_factory=dict, description="training options that differ for this model"
     )
@@ -115,6 +139,7 @@ ImplicitOptions = OccNetOptions | ShapeGanOptions | ShapeGanVaeOptions
 
 ModelOptions = Annotated[
     TetganOptions
+    | DeftetOptions
     | PcaOptions
     | RepresentationOptions
     | OccNetOptions

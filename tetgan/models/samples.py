@@ -9,7 +9,7 @@ import pandas as pd
 from rich.console import Console
 from rich.progress import track
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.store import FieldStore
 from tetgan.files import whole_file
 from tetgan.meshing.options import MeshingOptions
@@ -21,7 +21,7 @@ from tetgan.models.sampling import generate_fields, reconstruct_fields
 SMOOTHINGS = {"none": False, "wls": True}
 """Folder of each smoothing: without, and with the weighted Laplacian of Eq. 4."""
 
-Row = tuple[str, Field, dict[str, Any]]
+Row = tuple[str, Field | VertexField, dict[str, Any]]
 
 
 def write_samples(

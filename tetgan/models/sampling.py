@@ -7,7 +7,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.store import FieldStore
 from tetgan.models.baselines.representation import RepresentationGenerator
 from tetgan.models.generator import FieldGenerator
@@ -25,7 +25,7 @@ def generate_fields(
     *,
     batch_size: int = BATCH,
     device: str = "auto",
-) -> Iterator[Field]:
+) -> Iterator[Field | VertexField]:
     """Decoded draws of the prior; which ones depends on the seed, not on the batch size.
 
     A `representation` has no prior: training shapes come in seeded order, again from the start if `count`
@@ -38,7 +38,8 @@ def generate_fields(
     draws = torch.Generator().manual_seed(seed)
     latents = torch.cat([generator.sample_latent(1, draws) for _ in range(count)])
     for batch in latents.split(batch_size):
-        yield from _to_fields(_decode(generator, batch, pick_device(device)), store.max_displacement)
+        decoded = _decode(generator, batch, pick_device(device))
+        yield from map(generator.meshed, _to_fields(decoded, store.max_displacement))
 
 
 def reconstruct_fields(
@@ -48,7 +49,7 @@ def reconstruct_fields(
     *,
     batch_size: int = BATCH,
     device: str = "auto",
-) -> Iterator[tuple[str, Field, float]]:
+) -> Iterator[tuple[str, Field | VertexField, float]]:
     """Each shape encoded, decoded from the posterior mean, and its occupancy IoU with the original."""
     if isinstance(generator, RepresentationGenerator):
         yield from ((shape_id, store.read(shape_id), 1.0) for shape_id in ids)
@@ -61,7 +62,7 @@ def reconstruct_fields(
             latents = generator.to(where).encode(torch.from_numpy(original).to(where))
         fields = _to_fields(_decode(generator, latents, where), store.max_displacement)
         for shape_id, field, true in zip(chunk, fields, original[..., 0] > 0.5, strict=True):
-            yield shape_id, field, float(occupancy_iou(field.occupancy, true))
+            yield shape_id, generator.meshed(field), float(occupancy_iou(field.occupancy, true))
 
 
 def _decode(generator: FieldGenerator, latents: Tensor, device: torch.device) -> Float[Tensor, "B T 4"]:

@@ -12,11 +12,12 @@ from tetgan.errors import UserError
 from tetgan.fields.store import FieldStore
 from tetgan.fields.vertices import vertex_operator
 from tetgan.models.baselines.pca import PcaGenerator
-from tetgan.models.options import ModelOptions, PcaOptions, TetganOptions
+from tetgan.models.options import DeftetOptions, ModelOptions, PcaOptions, TetganOptions
 from tetgan.models.registry import build_generator, save_generator
 from tetgan.nn.device import pick_device
 from tetgan.training.checkpoint import run_digest
 from tetgan.training.data import FieldData
+from tetgan.training.deftet import DeftetTrainer
 from tetgan.training.learner import Learner
 from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
@@ -39,6 +40,8 @@ def train_model(
     training: TrainingOptions,
     seed: int,
     out_folder: Path,
+    *,
+    of: Path | None = None,
 ) -> None:
     """Train a model on the training split of an index of fields.
 
@@ -46,15 +49,21 @@ def train_model(
         index: `index.json` of the fields.
         out_folder: receives `options.json` and `weights.safetensors`; for TetGAN also `log.csv`, `events/`
             for TensorBoard, `decoded_*.png`, and `checkpoint.pt`, from which a killed run goes on.
+        of: folder of the trained TetGAN whose boundary a DefTet moves.
 
     Raises:
-        UserError: there are no training shapes, or the training diverges.
+        UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN.
     """
     store = FieldStore.open(index)
     if not store.ids("train"):
         raise UserError(f"{index}: no training shapes; add shapes to the source")
     if isinstance(options, TetganOptions):
         Trainer(store, options, training, seed, out_folder).run()
+        return
+    if isinstance(options, DeftetOptions):
+        if of is None:
+            raise UserError("--of: 'deftet' needs the folder of the trained TetGAN whose boundary it moves")
+        DeftetTrainer(store, options, training, seed=seed, of=of, folder=out_folder).run()
         return
     generator = build_generator(options, store.hierarchy)
     if isinstance(options, PcaOptions):
@@ -77,7 +86,7 @@ class Trainer(TrainingLoop):
         self.learner = Learner(options, training, store.hierarchy, operator, seed=seed, device=self.device)
         digests = {
             "options": run_digest(
-                model=options.model_dump(exclude={"training"}),
+                model=options.model_dump(exclude={"training", "meshing"}),
                 training=training.model_dump(exclude=WITHOUT_EFFECT),
                 seed=seed,
             ),
