@@ -7,7 +7,7 @@ tells whether it is in step. These classes are the one place that knows types, r
 import argparse
 import sys
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, TypeVar, get_args
 
 import yaml
 from pydantic import Field, model_validator
@@ -16,13 +16,15 @@ from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.grids.options import GridOptions
 from tetgan.meshing.options import MeshingOptions
-from tetgan.models.options import ModelOptions, TetganOptions
+from tetgan.models.like import allow_like, resolve_like
+from tetgan.models.options import DeftetOptions, ModelOptions, TetganOptions
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.training.extractor_options import ExtractorOptions
 from tetgan.training.options import TrainingOptions
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
+AnyOptions = TypeVar("AnyOptions", bound=Options)
 
 
 class NormaliseOptions(Options):
@@ -60,7 +62,14 @@ class Config(Options):
     split: SplitOptions = Field(SplitOptions(), description="training and validation shapes")
     clouds: CloudOptions = Field(CloudOptions(), description="point clouds of raw surfaces")
     grids: dict[Name, GridOptions] = Field(description="tetrahedral grids of the unit cube, by name")
-    models: dict[Name, ModelOptions] = Field(description="rows of the table, by name")
+    models: dict[Name, ModelOptions] = Field(
+        description="by name; `like: other` takes over the other's settings, an empty entry drops the model",
+        json_schema_extra=allow_like,
+    )
+    ablation: list[Name] = Field(
+        [],
+        description="models of results/tables/ablation.csv, the full one first; the others stand there alone",
+    )
     seeds: list[Annotated[int, Field(ge=0)]] = Field([0], min_length=1, description="seeds of every model")
     training: TrainingOptions = Field(
         TrainingOptions(), description="how models are trained; a model's own `training` overrides it"
@@ -72,6 +81,13 @@ class Config(Options):
     )
     evaluation: EvaluationOptions = Field(EvaluationOptions(), description="metrics and their intervals")
 
+    @model_validator(mode="before")
+    @classmethod
+    def _resolve_like(cls, values: Any) -> Any:
+        if isinstance(values, dict) and isinstance(values.get("models"), dict):
+            return values | {"models": resolve_like(values["models"])}
+        return values
+
     @model_validator(mode="after")
     def _names_agree(self) -> "Config":
         for category in self.categories:
@@ -80,21 +96,68 @@ class Config(Options):
         for name, model in self.models.items():
             if model.grid not in self.grids:
                 raise ValueError(f"models.{name}.grid: '{model.grid}' is not one of {sorted(self.grids)}")
+            if isinstance(model, DeftetOptions):
+                self._check_moved(name, model)
             self.training_of(name)
+            self.meshing_of(name)
+        for name in self.ablation:
+            if name not in self.models:
+                raise ValueError(f"ablation: '{name}' has no entry under models")
         return self
+
+    def _check_moved(self, name: str, model: DeftetOptions) -> None:
+        moved = self.models.get(model.of)
+        if not isinstance(moved, TetganOptions):
+            raise ValueError(f"models.{name}.of: '{model.of}' is no model of kind tetgan")
+        if moved.grid != model.grid:
+            raise ValueError(f"models.{name}.of: '{model.of}' is on grid {moved.grid}, not {model.grid}")
+
+    @property
+    def table_models(self) -> list[str]:
+        """Rows of a category's table: every model but those of the ablation that are not the full one."""
+        return [name for name in self.models if name not in self.ablation[1:]]
 
     def training_of(self, model: str) -> TrainingOptions:
         """Training options of one model: the common ones, then its own."""
-        options = self.models[model]
-        overrides = options.training if isinstance(options, TetganOptions) else {}
+        return self._overridden(model, "training", self.training)
+
+    def meshing_of(self, model: str) -> MeshingOptions:
+        """Meshing options of one model: the common ones, then its own."""
+        return self._overridden(model, "meshing", self.meshing)
+
+    def _overridden(self, model: str, section: str, common: AnyOptions) -> AnyOptions:
+        own = getattr(self.models[model], section, {})
         try:
-            return TrainingOptions.parse(self.training.model_dump() | overrides, "training")
+            return type(common).parse(common.model_dump() | own, section)
         except UserError as error:
             raise ValueError(f"models.{model}.{error}") from None
+
+    def trained_as(self, model: str) -> str:
+        """The first model that is trained in the same way: those that only mesh differently share weights."""
+        return next(name for name in self.models if self._trained(name) == self._trained(model))
+
+    def _trained(self, model: str) -> tuple[dict[str, Any], TrainingOptions]:
+        return self.models[model].model_dump(exclude={"training", "meshing"}), self.training_of(model)
+
+    def changes(self, model: str) -> str:
+        """How a model of the ablation differs from the full one, in words; empty for that one."""
+        full, own = (self._settings(name) for name in (self.ablation[0], model))
+        return "; ".join(
+            f"{key} {_in_words(value)}" + (f" (full: {_in_words(full[key])})" if key in full else "")
+            for key, value in own.items()
+            if key not in full or full[key] != value
+        )
+
+    def _settings(self, model: str) -> dict[str, Any]:
+        """Every option that decides the results of one model, by name."""
+        own = self.models[model].model_dump(exclude={"training", "meshing"})
+        return own | self.training_of(model).model_dump() | self.meshing_of(model).model_dump()
 
     def reductions(self, model: str) -> str:
         """What is smaller than in the paper for one model, in words; empty when nothing is."""
         options, training = self.models[model], self.training_of(model)
+        if isinstance(options, DeftetOptions):
+            return self.reductions(options.of)
         ours = {"depth": self.grids[options.grid].depth}
         if isinstance(options, TetganOptions):
             ours |= {
@@ -127,10 +190,18 @@ def load_config(values: dict[str, Any]) -> dict[str, Any]:
         UserError: a key is unknown or a value out of range; one line that names it.
     """
     own = dict(values)
+    if isinstance(values.get("models"), dict):
+        own["models"] = resolve_like(values["models"])
     for section, union in (("sources", SourceOptions), ("models", ModelOptions)):
-        if isinstance(values.get(section), dict):
-            own[section] = {name: _of_one_kind(part, union) for name, part in values[section].items()}
+        if isinstance(own.get(section), dict):
+            own[section] = {name: _of_one_kind(part, union) for name, part in own[section].items()}
     return Config.parse(own).model_dump(mode="json")
+
+
+def _in_words(value: Any) -> str:
+    if value is None:
+        return "off"
+    return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)
 
 
 def _of_one_kind(part: Any, union: Any) -> Any:

@@ -16,7 +16,7 @@ from tetgan.errors import UserError
 from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample, compare_surfaces
 from tetgan.evaluation.features import cloud_features
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.evaluation.samples import SampleFolder
+from tetgan.evaluation.samples import SOLID_METRICS, SampleFolder
 from tetgan.evaluation.sections import RealFeatures, Section, draw_real
 from tetgan.evaluation.seeds import named_rng, named_seed
 from tetgan.evaluation.surfaces import Surface, draw_sample, manifold_edge_share
@@ -156,8 +156,8 @@ def _about(samples: Path) -> dict[str, Any]:
 def _measure_smoothing(
     folder: SampleFolder, reconstructions: Sequence[_Reconstruction], yardstick: _Yardstick
 ) -> Section:
-    """Faces are those of reconstructions, edges and tets those of generated shapes; where a model has only
-    the one kind, all are of that kind."""
+    """Faces are those of reconstructions, edges, tets and solids those of generated shapes; where a model has
+    only the one kind, all are of that kind."""
     options = yardstick.options
     generated = _read_generated(folder)
     section = Section(options)
@@ -172,6 +172,9 @@ def _measure_smoothing(
             "inverted_tets": inverted if len(inverted) else folder.inverted_shares("reconstructed"),
         }
     )
+    for column in SOLID_METRICS:
+        made = folder.of_solids("generated", column)
+        section.add_means({column: made if len(made) else folder.of_solids("reconstructed", column)})
     section.add_variety(_samples_for_variety(generated, options), yardstick.threads)
     section.add_feature_distances(
         _generated_features(generated, yardstick), len(generated), yardstick.holdout

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import shlex
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,7 +18,7 @@ except UserError as error:
 SETTINGS = Config.parse(config)
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
 SHOWN_MODELS = [
-    name for name, model in SETTINGS.models.items() if model.kind == "tetgan"
+    name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
 
 
@@ -49,8 +50,18 @@ def section(*keys):
     return lookup
 
 
+def model_options(wildcards):
+    """What a model is built from. How it is meshed plays no part in its training."""
+    options = SETTINGS.models[wildcards.model]
+    return options.model_dump_json(exclude={"training", "meshing"})
+
+
 def training_options(wildcards):
     return SETTINGS.training_of(wildcards.model).model_dump_json()
+
+
+def meshing_options(wildcards):
+    return SETTINGS.meshing_of(wildcards.model).model_dump_json()
 
 
 def identity(wildcards):
@@ -68,6 +79,13 @@ def identity(wildcards):
     )
 
 
+def ablation_changes(wildcards):
+    """How each model of the ablation differs from the full one, in words."""
+    return json.dumps(
+        {name: SETTINGS.changes(name) for name in SETTINGS.ablation}, ensure_ascii=False
+    )
+
+
 def model_fields(wildcards):
     """Index and shards of the fields that a model learns from."""
     folder = (
@@ -80,6 +98,30 @@ def model_fields(wildcards):
             for part in shard_numbers()
         ],
     }
+
+
+def trained_model(wildcards, model=None):
+    """Weights and options of a model, which are another's where only the meshing differs."""
+    name = SETTINGS.trained_as(model or wildcards.model)
+    folder = f"<results>/models/{wildcards.category}/{name}/{wildcards.seed}"
+    return {
+        "weights": f"{folder}/weights.safetensors",
+        "options": f"{folder}/options.json",
+    }
+
+
+def training_inputs(wildcards):
+    """Fields, and for a model that stands on another, as DefTet does, the weights of that one."""
+    inputs = model_fields(wildcards)
+    options = SETTINGS.models[wildcards.model]
+    if options.kind == "deftet":
+        inputs["of"] = trained_model(wildcards, options.of)["weights"]
+    return inputs
+
+
+def standing_on(wildcards, input):
+    """Option that names the model under another one."""
+    return f"--of {shlex.quote(str(Path(input.of).parent))}" if "of" in input.keys() else ""
 
 
 def shard_numbers():

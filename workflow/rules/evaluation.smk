@@ -64,7 +64,7 @@ rule make_table:
     input:
         models=expand(
             "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
-            model=config["models"],
+            model=SETTINGS.table_models,
             seed=config["seeds"],
             mode="paper",
         ),

@@ -8,8 +8,7 @@ without smoothing, each with a certificate of its quality.
 rule sample_model:
     input:
         unpack(model_fields),
-        weights="<results>/models/{category}/{model}/{seed}/weights.safetensors",
-        options="<results>/models/{category}/{model}/{seed}/options.json",
+        unpack(trained_model),
     output:
         samples=directory("<results>/samples/{category}/{model}/{seed}/{mode}"),
     log:
@@ -24,7 +23,7 @@ rule sample_model:
     params:
         model=subpath(input.weights, parent=True),
         shapes=config["sampling"]["count"],
-        meshing=section("meshing"),
+        meshing=meshing_options,
         code=stage_digest("meshing", "nn", "models"),
     shell:
         "tetgan sample {params.model:q} {input.index:q} {output.samples:q} --count {params.shapes}"

@@ -7,7 +7,7 @@ A killed training resumes from its checkpoint, which stands beside the outputs a
 
 rule train_model:
     input:
-        unpack(model_fields),
+        unpack(training_inputs),
     output:
         weights="<results>/models/{category}/{model}/{seed}/weights.safetensors",
         options="<results>/models/{category}/{model}/{seed}/options.json",
@@ -22,12 +22,14 @@ rule train_model:
         mem_mb=training_mem_mb,
     params:
         folder=subpath(output.weights, parent=True),
-        model=section("models", "{model}"),
+        model=model_options,
         training=training_options,
+        of=standing_on,
         code=stage_digest("nn", "models", "training"),
     shell:
         "tetgan train {input.index:q} {params.folder:q} --model {params.model:q}"
-        " --training {params.training:q} --seed {wildcards.seed} --threads {threads} >{log:q} 2>&1"
+        " --training {params.training:q} --seed {wildcards.seed} --threads {threads} {params.of}"
+        " >{log:q} 2>&1"
 
 
 rule train_extractor:
