@@ -22,7 +22,7 @@ def changed(**sections):
     return values
 
 
-@pytest.mark.parametrize("name", ["config.yaml", "smoke.yaml", "paper.yaml"])
+@pytest.mark.parametrize("name", sorted(path.name for path in (ROOT / "config").glob("*.yaml")))
 def test_shipped_configurations_are_valid_on_top_of_the_default(name):
     values = copy.deepcopy(DEFAULT)
     update_config(values, yaml.safe_load((ROOT / "config" / name).read_text()))
@@ -48,6 +48,7 @@ def test_the_written_schema_is_in_step():
             ["models.m", "epoch", "epochs"],
         ),
         (changed(sources={"../evil": {"kind": "builtin"}}), ["../evil"]),
+        (changed(sources={"fid": {"kind": "builtin"}}), ["'fid' is the name of a table"]),
     ],
 )
 def test_a_mistake_is_one_line_naming_its_key(values, words):

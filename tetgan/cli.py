@@ -27,6 +27,9 @@ OptionsText = Annotated[str, typer.Option(help="Options as JSON, or the path of 
 Category = Annotated[str, typer.Option(help="Category, such as chair.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of every random choice.")]
 Threads = Annotated[int, typer.Option(min=1, help="Processor cores to use.")]
+Metrics = Annotated[list[Path], typer.Argument(help="Metrics (.json) of models and of real shapes.")]
+TableOut = Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")]
+Paper = Annotated[Path, typer.Option(help="The paper's published figures (.csv).")]
 Margin = Annotated[float, typer.Option(min=0, max=0.49, help="Empty share of the cube on either side.")]
 
 
@@ -325,10 +328,10 @@ def floor(
 
 @app.command()
 def table(
-    metrics: Annotated[list[Path], typer.Argument(help="Metrics of every model, seed and mode.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    metrics: Metrics,
+    out: TableOut,
     category: Category,
-    paper: Annotated[Path, typer.Option(help="The paper's published figures (.csv).")],
+    paper: Paper,
 ) -> None:
     """Set the metrics of a category beside the paper's figures.
 
@@ -340,11 +343,70 @@ def table(
 
 
 @app.command()
+def supplement(
+    metrics: Metrics,
+    out: TableOut,
+    figure: Annotated[str, typer.Option(help="fid, variety or reconstruction.")],
+    paper: Paper,
+) -> None:
+    """Set one figure of benches, sofas, tables and vases side by side, as the paper's supplement does.
+
+    Example: `tetgan supplement results/metrics/*/*/*/paper.json fid.csv --figure fid --paper paper.csv`
+    """
+    from tetgan.evaluation.supplement import write_supplement
+
+    write_supplement(metrics, paper, figure, out)
+
+
+@app.command()
+def manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
+    """Tell which share of edges is manifold, in ground truth and in generated shapes.
+
+    Example: `tetgan manifold results/metrics/*/*/*/paper.json manifold.csv --paper paper.csv`
+    """
+    from tetgan.evaluation.manifold import write_manifold
+
+    write_manifold(metrics, paper, out)
+
+
+@app.command()
+def dataset(
+    catalogues: Annotated[list[Path], typer.Argument(help="Catalogues: {category}/catalogue.csv.")],
+    out: TableOut,
+    paper: Paper,
+) -> None:
+    """Count the shapes of every category: listed, repaired, rejected and why, split, held out.
+
+    Example: `tetgan dataset results/data/*/catalogue.csv dataset.csv --paper paper.csv`
+    """
+    from tetgan.evaluation.dataset import write_dataset
+
+    write_dataset(catalogues, paper, out)
+
+
+@app.command()
+def runtime(
+    metrics: Metrics,
+    out: TableOut,
+    results: Annotated[Path, typer.Option(help="Folder with benchmarks/, data/ and clouds/.")],
+    paper: Paper,
+    shards: Annotated[int, typer.Option(min=1, help="Parts into which a category was cut.")] = 16,
+) -> None:
+    """Gather time and memory of every stage from Snakemake's benchmark files.
+
+    Example: `tetgan runtime results/metrics/*/*/*/paper.json runtime.csv --results results --paper paper.csv`
+    """
+    from tetgan.evaluation.runtime import write_runtime
+
+    write_runtime(metrics, results, paper, shards, out)
+
+
+@app.command()
 def ablation(
-    metrics: Annotated[list[Path], typer.Argument(help="Metrics of the full model, then of the others.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    metrics: Metrics,
+    out: TableOut,
     category: Category,
-    paper: Annotated[Path, typer.Option(help="The paper's published figures (.csv).")],
+    paper: Paper,
     changes: Annotated[
         str, typer.Option(help="How each model differs, by name; JSON, or the path of a YAML or JSON file.")
     ] = "{}",

@@ -23,6 +23,12 @@ from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.training.extractor_options import ExtractorOptions
 from tetgan.training.options import TrainingOptions
 
+TABLES = {
+    *("fid", "variety", "reconstruction", "manifold", "dataset", "runtime"),
+    *("ablation", "resolution", "smoothing"),
+}
+"""Tables beside those of the categories, in one folder with them: no category may have such a name."""
+
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 AnyOptions = TypeVar("AnyOptions", bound=Options)
 
@@ -90,6 +96,8 @@ class Config(Options):
 
     @model_validator(mode="after")
     def _names_agree(self) -> "Config":
+        for name in sorted(TABLES.intersection(self.sources)):
+            raise ValueError(f"sources: '{name}' is the name of a table; call the category otherwise")
         for category in self.categories:
             if category not in self.sources:
                 raise ValueError(f"categories: '{category}' has no entry under sources")

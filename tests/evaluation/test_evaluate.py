@@ -101,7 +101,8 @@ def test_a_perfect_reconstruction_measures_the_noise_floor(report):
     assert metrics["chamfer"]["value"] == pytest.approx(2 * area / (np.pi * OPTIONS.points), rel=0.1)
     assert metrics["normal_consistency"]["value"] > 0.95
     assert metrics["faces"]["value"] == 12
-    assert metrics["manifold_edges"]["value"] == 1
+    assert metrics["manifold_edges"]["value"] == metrics["manifold_shapes"]["value"] == 1
+    assert metrics["boundary_edges"]["value"] == metrics["nonmanifold_edges"]["value"] == 0
     assert metrics["iou"]["value"] == 0.75
     assert metrics["inverted_tets"]["value"] == 0.25
 
@@ -156,4 +157,5 @@ def test_real_shapes_measure_their_own_floor(originals, clouds, extractor, tmp_p
         2 * area / (np.pi * OPTIONS.points), rel=0.1
     )
     assert section["metrics"]["faces"] == {"value": 12, "low": 12, "high": 12, "n": 6, "std": None}
+    assert section["metrics"]["manifold_shapes"]["value"] == 1
     assert section["metrics"]["fid"]["n"] == 4

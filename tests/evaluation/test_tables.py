@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.evaluation.paper import published, read_paper
+from tetgan.evaluation.paper import published, read_paper, stated
 from tetgan.evaluation.tables import IDENTITY, METRICS, write_table
 
 PAPER = Path(__file__).parents[2] / "workflow" / "resources" / "paper_tables.csv"
@@ -147,8 +147,17 @@ def test_metrics_of_another_category_are_refused(tmp_path):
 def test_published_figures_are_complete():
     figures = read_paper(PAPER)
     # Table 1: 10 models, 4 metrics. Supplement: 4 categories; FID and variety of 4 models, Chamfer of 3.
-    assert len(figures) == 10 * 4 + (4 + 4 + 3) * 4
+    tables = figures[figures["table"].isin(["Table 1", "Supplement FID", "Supplement variety"])]
+    assert len(tables) == 10 * 4 + (4 + 4) * 4
+    assert (figures["table"] == "Supplement reconstruction").sum() == 3 * 4
     assert not figures.duplicated(["category", "model", "metric"]).any()
+
+
+def test_the_running_text_is_quoted_where_it_says_something():
+    figures = read_paper(PAPER)
+    assert stated(figures, "table", "data set", "shapes") == "8436"
+    assert stated(figures, "chair", "generated", "manifold_edges") == "98.5%"
+    assert stated(figures, "chair", "generated", "fid") is None
 
 
 def test_supplement_belongs_to_the_grid_it_names():

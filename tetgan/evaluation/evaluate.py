@@ -19,7 +19,7 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.samples import SOLID_METRICS, SampleFolder
 from tetgan.evaluation.sections import RealFeatures, Section, draw_real
 from tetgan.evaluation.seeds import named_rng, named_seed
-from tetgan.evaluation.surfaces import Surface, draw_sample, manifold_edge_share
+from tetgan.evaluation.surfaces import Surface, Topology, draw_sample, measure_topology
 from tetgan.files import whole_file
 from tetgan.models.pointnet2 import Classifier, load_classifier
 from tetgan.shapes.archive import read_meshes
@@ -102,7 +102,8 @@ def evaluate_real(
     repaired = _measure_repaired(meshes, _splits(catalogue), options)
     section = Section(options)
     section.add_distances(repaired.floor)
-    section.add_means({"faces": repaired.faces, "manifold_edges": repaired.manifold})
+    section.add_means({"faces": repaired.faces})
+    section.add_topology(repaired.topology)
     section.add_variety(repaired.samples, threads)
     holdout = draw_real(real.holdout, "holdout", classifier, options)
     train = draw_real(real.train, "train", classifier, options)
@@ -131,7 +132,7 @@ class _Reconstruction(NamedTuple):
 
     distance: SurfaceDistance
     faces: int
-    manifold: float
+    topology: Topology
 
 
 @dataclass
@@ -140,7 +141,7 @@ class _Repaired:
 
     floor: list[SurfaceDistance] = field(default_factory=list)
     faces: list[int] = field(default_factory=list)
-    manifold: list[float] = field(default_factory=list)
+    topology: list[Topology] = field(default_factory=list)
     samples: list[SurfaceSample] = field(default_factory=list)
 
 
@@ -162,12 +163,12 @@ def _measure_smoothing(
     generated = _read_generated(folder)
     section = Section(options)
     section.add_distances([item.distance for item in reconstructions])
-    edges = [manifold_edge_share(surface.faces) for surface in generated.values()]
+    topology = [measure_topology(surface.faces) for surface in generated.values()]
+    section.add_topology(topology or [item.topology for item in reconstructions])
     inverted = folder.inverted_shares("generated")
     section.add_means(
         {
             "faces": [item.faces for item in reconstructions] or [len(s.faces) for s in generated.values()],
-            "manifold_edges": edges or [item.manifold for item in reconstructions],
             "iou": folder.certified("reconstructed", "iou"),
             "inverted_tets": inverted if len(inverted) else folder.inverted_shares("reconstructed"),
         }
@@ -228,8 +229,8 @@ def _measure_reconstructions(
             surface = folder.surface("reconstructed", shape_id)
             if surface is not None:
                 distance = _distance(surface, truth, shape_id, options)
-                edges = manifold_edge_share(surface.faces)
-                measured[name].append(_Reconstruction(distance, len(surface.faces), edges))
+                topology = measure_topology(surface.faces)
+                measured[name].append(_Reconstruction(distance, len(surface.faces), topology))
     return measured
 
 
@@ -241,7 +242,7 @@ def _measure_repaired(
     repaired = _Repaired()
     for shape_id, surface in _repaired_meshes(meshes):
         repaired.faces.append(len(surface.faces))
-        repaired.manifold.append(manifold_edge_share(surface.faces))
+        repaired.topology.append(measure_topology(surface.faces))
         if splits.get(shape_id) == "validation":
             truth = draw_sample(surface, options.points, named_seed(options.seed, "truth", shape_id))
             repaired.floor.append(_distance(surface, truth, shape_id, options))

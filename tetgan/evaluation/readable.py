@@ -5,6 +5,8 @@ from typing import Any
 
 import pandas as pd
 
+from tetgan.evaluation.markdown import cell, markdown_table, page, plain, rounded, row_name
+
 _PAPERS = {"chamfer": "Chamfer ↓", "faces": "Faces", "fid": "FID ↓", "variety": "Variety ↑"}
 _OURS = {
     "kid": "KID ↓",
@@ -33,57 +35,27 @@ _ABOUT_PAPER = (
 
 def render_table(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], category: str) -> str:
     """Markdown of a table made by `build_table` from those reports."""
-    names = table.apply(_row_name, axis=1)
-    parts = [
-        f"# {category}",
+    names = {"Model": table.apply(row_name, axis=1)}
+    return page(
+        category,
         _ABOUT_PAPER,
-        _markdown(names, {title: table.apply(_cell, axis=1, metric=m) for m, title in _PAPERS.items()}),
+        markdown_table(names | {title: table.apply(cell, axis=1, metric=m) for m, title in _PAPERS.items()}),
         "## Beyond the paper",
-        _markdown(names, {title: table.apply(_cell, axis=1, metric=m) for m, title in _OURS.items()}),
+        markdown_table(names | {title: table.apply(cell, axis=1, metric=m) for m, title in _OURS.items()}),
         "## How each row was made",
-        _markdown(names, {title: table[column].map(_plain) for column, title in _MADE.items()}),
-        "## Notes",
-        "\n".join(f"- {note}" for note in _notes(table, reports)),
+        markdown_table(names | {title: table[column].map(plain) for column, title in _MADE.items()}),
+        notes=table_notes(table, reports),
+    )
+
+
+def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Conventions, extractor, floor, and what is amiss in some rows."""
+    return [
+        *_conventions(reports[0]["options"]),
+        *extractor_notes(reports),
+        *_floor(table),
+        *_warnings(reports),
     ]
-    return "\n\n".join(parts) + "\n"
-
-
-def _markdown(names: pd.Series, columns: Mapping[str, pd.Series]) -> str:
-    frame = pd.DataFrame({"Model": names, **columns})
-    return frame.to_markdown(index=False, disable_numparse=True)
-
-
-def _row_name(row: pd.Series) -> str:
-    smoothing = {"wls": ", wLS", "none": ", no wLS"}.get(row["smoothing"], "")
-    return f"{row['model']}{smoothing}"
-
-
-def _cell(row: pd.Series, metric: str) -> str:
-    """Value ± deviation [interval] (paper)."""
-    value, std, low, high = (row[metric + part] for part in ("", "_std", "_low", "_high"))
-    paper = "" if pd.isna(row[f"{metric}_paper"]) else f" (paper {row[f'{metric}_paper']})"
-    if pd.isna(value):
-        return f"—{paper}"
-    deviation = "" if pd.isna(std) else f" ± {_round(std)}"
-    interval = "" if pd.isna(low) else f" [{_round(low)}, {_round(high)}]"
-    return f"{_round(value)}{deviation}{interval}{paper}"
-
-
-def _round(value: float) -> str:
-    """Three digits that count, never in exponents that a column of figures would hide."""
-    if abs(value) >= 1000:
-        return f"{value:.0f}"
-    return f"{value:.3g}" if abs(value) >= 1e-4 or value == 0 else f"{value:.1e}"
-
-
-def _plain(value: Any) -> str:
-    if pd.isna(value) or value == "":
-        return ""
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
-    return [*_conventions(reports[0]["options"]), *_extractors(reports), *_floor(table), *_warnings(reports)]
 
 
 def _conventions(options: Mapping[str, Any]) -> list[str]:
@@ -100,7 +72,8 @@ def _conventions(options: Mapping[str, Any]) -> list[str]:
     ]
 
 
-def _extractors(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+def extractor_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Which classifier FID and KID rest on, and a warning where rows rest on several."""
     found = {report["extractor"]["digest"]: report["extractor"] for report in reports}
     lines = [
         f"Extractor {digest}: PointNet++ on {', '.join(extractor['categories'])}; "
@@ -119,7 +92,7 @@ def _floor(table: pd.DataFrame) -> list[str]:
     if real.empty:
         return []
     figures = ", ".join(
-        f"{title} {_round(value)}"
+        f"{title} {rounded(value)}"
         for metric, title in (("fid", "FID"), ("kid", "KID"), ("chamfer", "Chamfer"))
         if not pd.isna(value := real.iloc[0][metric])
     )

@@ -12,6 +12,7 @@ from tetgan.evaluation.estimates import Estimate, feature_estimates, mean_estima
 from tetgan.evaluation.features import cloud_features
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.seeds import named_rng
+from tetgan.evaluation.surfaces import Topology
 from tetgan.evaluation.variety import shapes_needed, variety
 from tetgan.models.pointnet2 import FEATURES, Classifier
 
@@ -51,9 +52,16 @@ class Section:
 
     def add_distances(self, distances: Sequence[SurfaceDistance]) -> None:
         """Means of every measure of distance."""
-        self.add_means(
-            {name: [getattr(distance, name) for distance in distances] for name in SurfaceDistance._fields}
-        )
+        self._add_fields(SurfaceDistance._fields, distances)
+
+    def add_topology(self, topologies: Sequence[Topology]) -> None:
+        """Mean shares of edges, and the share of shapes that are closed manifolds."""
+        self._add_fields(Topology._fields, topologies)
+
+    def _add_fields(
+        self, names: Sequence[str], items: Sequence[SurfaceDistance] | Sequence[Topology]
+    ) -> None:
+        self.add_means({name: [getattr(item, name) for item in items] for name in names})
 
     def add_variety(self, samples: Sequence[SurfaceSample], threads: int) -> None:
         """Variety of the surfaces, missing where they are too few."""

@@ -4,8 +4,14 @@ Inputs: metrics and samples of the models under `ablation`, the full one first. 
 Markdown; four reconstructions and four samples of each.
 """
 
+if config["ablation"]:
+    PAPER_TARGETS += ["<results>/tables/ablation.csv"]
+    PAPER_TARGETS += expand(
+        "<results>/figures/{category}/ablations.png", category=config["categories"][:1]
+    )
 
-rule make_ablation:
+
+rule gather_ablation:
     input:
         models=expand(
             "<results>/metrics/{category}/{model}/{seed}/{mode}.json",
@@ -14,9 +20,7 @@ rule make_ablation:
             seed=config["seeds"],
             mode="paper",
         ),
-        real=expand(
-            "<results>/metrics/{category}/real.json", category=config["categories"][:1]
-        ),
+        real=expand(REAL_METRICS, category=config["categories"][:1]),
         paper=workflow.source_path("../resources/paper_tables.csv"),
     output:
         table=report(
@@ -27,7 +31,7 @@ rule make_ablation:
         ),
         readable="<results>/tables/ablation.md",
     log:
-        "<logs>/make_ablation.log",
+        "<logs>/gather_ablation.log",
     conda:
         "../envs/tetgan.yaml"
     resources:

@@ -21,6 +21,9 @@ SHOWN_MODELS = [
     name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
 
+# Every table and figure of the target `paper`: each file of rules adds its own.
+PAPER_TARGETS = []
+
 
 def stage_digest(*rooms):
     """Digest of the modules behind a stage: editing one of them makes the stage run again.

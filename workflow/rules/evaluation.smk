@@ -4,6 +4,19 @@ Inputs: folders of samples, repaired meshes, hold-out clouds, the extractor. Out
 model, seed and mode; one table a category, as CSV and as Markdown.
 """
 
+# Behind the rows of a category's table, which stays a wildcard.
+MODEL_METRICS = expand(
+    "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
+    model=SETTINGS.table_models,
+    seed=config["seeds"],
+    mode="paper",
+)
+REAL_METRICS = "<results>/metrics/{category}/real.json"
+
+PAPER_TARGETS += expand(
+    "<results>/tables/{category}.csv", category=config["categories"]
+)
+
 
 rule evaluate_model:
     input:
@@ -62,13 +75,8 @@ rule evaluate_real:
 
 rule make_table:
     input:
-        models=expand(
-            "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
-            model=SETTINGS.table_models,
-            seed=config["seeds"],
-            mode="paper",
-        ),
-        real="<results>/metrics/{category}/real.json",
+        models=MODEL_METRICS,
+        real=REAL_METRICS,
         paper=workflow.source_path("../resources/paper_tables.csv"),
     output:
         table=report(

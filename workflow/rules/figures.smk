@@ -3,6 +3,10 @@
 Inputs: folders of samples and the repaired meshes. Output: one sheet a category.
 """
 
+PAPER_TARGETS += expand(
+    "<results>/figures/{category}/samples.png", category=config["categories"]
+)
+
 
 rule draw_samples:
     input:
