@@ -20,7 +20,6 @@ from tetgan.fields.points import draw_points
 from tetgan.fields.voxels import sample_distance
 from tetgan.shapes.archive import read_meshes
 
-
 # Arrays of one shape in a shard, with their dimensions.
 _DIMENSIONS = {"points": {"points": 2, "occupancy": 1}, "voxels": {"distance": 3}}
 

@@ -13,9 +13,10 @@ from tetgan.shapes.soup import Soup
 
 
 def write_surface(path: str | Path, mesh: SolidMesh | Soup) -> None:
-    """Write a surface, or the boundary of a solid, as triangles, in the format of the suffix: `.ply`, `.obj`, `.stl`, `.off`, `.glb`.
+    """Write a surface, or the boundary of a solid, as triangles.
 
-    `.ply` and `.stl` hold single precision.
+    The format is that of the suffix: `.ply`, `.obj`, `.stl`, `.off`, `.glb`; the
+    coordinates of `.ply` and `.stl` have single precision.
 
     Raises:
         UserError: trimesh cannot write that suffix.
