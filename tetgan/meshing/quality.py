@@ -8,6 +8,7 @@ from scipy.sparse.csgraph import connected_components
 from tetgan.grids.adjacency import EDGES, FACES, face_neighbors, unique_edges
 from tetgan.grids.grid import tet_volumes
 from tetgan.meshing.solid import SolidMesh
+from tetgan.shapes.soup import Soup
 
 
 def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
@@ -28,6 +29,22 @@ def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
         "volume": float(volumes.sum()),
         "components": _component_count(mesh.tets),
         "manifold_edges": _manifold_share(mesh.faces),
+    }
+
+
+def surface_record(surface: Soup) -> dict[str, int | float]:
+    """One row of the certificate of a surface without tets.
+
+    Returns:
+        `faces`; `volume` enclosed, in cubed cube sides; `components` of faces that share vertices;
+        `manifold_edges`, the share of edges with exactly two faces. All are 0 for an empty surface.
+    """
+    corners = surface.triangles - 0.5
+    return {
+        "faces": len(surface.faces),
+        "volume": float(np.linalg.det(corners).sum() / 6),
+        "components": _vertex_component_count(surface.faces),
+        "manifold_edges": _manifold_share(surface.faces),
     }
 
 
@@ -55,6 +72,16 @@ def _component_count(tets: Int[np.ndarray, "T 4"]) -> int:
     links = sparse.coo_array(
         (np.ones(len(rows), dtype=bool), (rows, neighbors[rows, slots])), shape=(len(tets),) * 2
     )
+    return int(connected_components(links, directed=False, return_labels=False))
+
+
+def _vertex_component_count(faces: Int[np.ndarray, "F 3"]) -> int:
+    used, compact = np.unique(faces, return_inverse=True)
+    if len(used) == 0:
+        return 0
+    a, b, c = compact.reshape(-1, 3).T
+    ends = np.concatenate([a, b]), np.concatenate([b, c])
+    links = sparse.coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(len(used),) * 2)
     return int(connected_components(links, directed=False, return_labels=False))
 
 
