@@ -46,7 +46,7 @@ def gradient_penalty(
     fake: Float[Tensor, "B *shape"],
     share: Float[Tensor, "B"],
 ) -> Float[Tensor, ""]:
-    """(|∇ critic| − 1)² between real and fake samples (Gulrajani et al. 2017, eq. 3), `share` of each real."""
+    """(|∇ critic| − 1)² between real and fake ones (Gulrajani et al. 2017, eq. 3), `share` of each real."""
     share = share.view(-1, *(real.ndim - 1) * (1,))
     between = (share * real + (1 - share) * fake).requires_grad_()
     with input_gradients_only():

@@ -11,11 +11,11 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
+from tetgan.fields.voxels import CLAMP
 from tetgan.models.baselines.implicit import ImplicitGenerator
 from tetgan.models.baselines.pointwise import joint_linear
 from tetgan.models.options import ShapeGanOptions
 
-CLAMP = 0.1  # distances of the voxels are cut off here, in cube sides
 SLOPE = 0.2
 RESOLUTIONS = (8, 16, 32, 64)
 """Voxels along a side in each stage of the critic's growth."""
@@ -110,9 +110,3 @@ def halve(voxels: Float[Tensor, "B R R R"]) -> Float[Tensor, "B r r r"]:
     """Means of 2³ voxels."""
     half = (voxels.shape[-1] // 2, 2)
     return voxels.unflatten(3, half).unflatten(2, half).unflatten(1, half).mean(dim=(2, 4, 6))
-
-
-def cell_centers(resolution: int, device: torch.device) -> Float[Tensor, "N 3"]:
-    """Centres of the voxels of the unit cube, the last axis fastest."""
-    ticks = (torch.arange(resolution, device=device) + 0.5) / resolution
-    return torch.cartesian_prod(ticks, ticks, ticks)

@@ -8,8 +8,9 @@ from itertools import pairwise
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from tetgan.fields.voxels import CLAMP
 from tetgan.models.baselines.implicit import VoxelGenerator
-from tetgan.models.baselines.shapegan import CLAMP, SLOPE
+from tetgan.models.baselines.shapegan import SLOPE
 from tetgan.models.options import ShapeGanVaeOptions
 
 RESOLUTION = 32

@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Float32, Int
 from torch import Tensor
 from torch.nn import functional
 
-from tetgan.models.baselines.shapegan import CLAMP
+from tetgan.fields.voxels import CLAMP
 
 Split = Literal["train", "validation"]
 
@@ -16,6 +16,9 @@ Split = Literal["train", "validation"]
 @runtime_checkable
 class PointSource(Protocol):
     """A `PointStore`, as far as training needs it."""
+
+    @property
+    def digest(self) -> str: ...
 
     def ids(self, split: Split) -> list[str]: ...
 
@@ -25,6 +28,9 @@ class PointSource(Protocol):
 @runtime_checkable
 class VoxelSource(Protocol):
     """A `VoxelStore`, as far as training needs it."""
+
+    @property
+    def digest(self) -> str: ...
 
     def ids(self, split: Split) -> list[str]: ...
 

@@ -22,6 +22,10 @@ class BaselineLearner(Protocol):
         """Names of everything that `take_step` and `validate` return: the columns of the log."""
 
     @property
+    def data_digest(self) -> str:
+        """Digest of all that it learns from."""
+
+    @property
     def shapes(self) -> int:
         """Number of training shapes."""
 

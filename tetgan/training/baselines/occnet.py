@@ -26,6 +26,7 @@ class OccNetLearner:
         self, options: OccNetOptions, training: OccNetTraining, store: PointSource, seed: int
     ) -> None:
         self.training, self.device = training, pick_device(training.device)
+        self.data_digest = store.digest
         self.data, self.held_out = PointData(store, "train"), PointData(store, "validation")
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)

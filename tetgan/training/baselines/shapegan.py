@@ -9,7 +9,8 @@ from torch import Tensor
 from torch.utils.checkpoint import checkpoint
 
 from tetgan.errors import UserError
-from tetgan.models.baselines.shapegan import RESOLUTIONS, ShapeGanGenerator, VoxelCritic, cell_centers
+from tetgan.fields.voxels import cell_centres
+from tetgan.models.baselines.shapegan import RESOLUTIONS, ShapeGanGenerator, VoxelCritic
 from tetgan.models.options import ShapeGanOptions
 from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import VoxelData, VoxelSource
@@ -29,6 +30,7 @@ class ShapeGanLearner:
         self, options: ShapeGanOptions, training: ShapeGanTraining, store: VoxelSource, seed: int
     ) -> None:
         self.training, self.device = training, pick_device(training.device)
+        self.data_digest = store.digest
         self.data = VoxelData(store, "train")
         self.stages = stages(self.data.resolution, training.epochs)
         with torch.random.fork_rng(devices=[]):
@@ -80,7 +82,7 @@ class ShapeGanLearner:
     def _fake(self, count: int, resolution: int, draws: torch.Generator) -> Float[Tensor, "B R R R"]:
         """Generated voxels. For a gradient the network is evaluated twice rather than all of it kept."""
         latents = self.generator.sample_latent(count, draws).to(self.device)
-        points = cell_centers(resolution, self.device)
+        points = torch.from_numpy(cell_centres(resolution).reshape(-1, 3)).float().to(self.device)
         shapes = [
             checkpoint(self._distances, some, points, use_reentrant=False, preserve_rng_state=False)
             for some in latents.split(max(1, POINTS // len(points)))

@@ -27,6 +27,7 @@ class ShapeGanVaeLearner:
         self, options: ShapeGanVaeOptions, training: ShapeGanVaeTraining, store: VoxelSource, seed: int
     ) -> None:
         self.training, self.device = training, pick_device(training.device)
+        self.data_digest = store.digest
         self.data, self.held_out = VoxelData(store, "train"), VoxelData(store, "validation")
         self._check()
         with torch.random.fork_rng(devices=[]):
@@ -67,7 +68,7 @@ class ShapeGanVaeLearner:
 
     @torch.no_grad()
     def validate(self) -> dict[str, float]:
-        """IoU of the insides, and absolute difference in units of the clamp, of the posterior mean's decoding."""
+        """IoU of the insides, and absolute difference, of what the posterior mean decodes to."""
         if len(self.held_out) == 0:
             return {}
         self.generator.eval()

@@ -9,13 +9,17 @@ import torch
 from jaxtyping import Int
 from torch import Tensor, nn
 
-from tetgan.errors import UserError
 from tetgan.fields.samplings import PointStore, VoxelStore
 from tetgan.models.options import ImplicitOptions, OccNetOptions, ShapeGanOptions
 from tetgan.models.registry import save_generator
 from tetgan.training.baselines.learner import BaselineLearner
 from tetgan.training.baselines.occnet import OccNetLearner
-from tetgan.training.baselines.options import BaselineTraining
+from tetgan.training.baselines.options import (
+    BaselineTraining,
+    OccNetTraining,
+    ShapeGanTraining,
+    ShapeGanVaeTraining,
+)
 from tetgan.training.baselines.shapegan import ShapeGanLearner
 from tetgan.training.baselines.shapegan_vae import ShapeGanVaeLearner
 from tetgan.training.checkpoint import run_digest
@@ -37,24 +41,24 @@ def train_baseline(
         folder: receives `options.json`, `weights.safetensors`, `log.csv`, `events/` and `checkpoint.pt`.
 
     Raises:
-        UserError: the index holds no training shapes, or not what the model learns from.
+        UserError: the index does not hold what the model learns from.
     """
-    store = PointStore.open(index) if isinstance(options, OccNetOptions) else VoxelStore.open(index)
-    if not store.ids("train"):
-        raise UserError(f"{index}: no training shapes; add shapes to the source")
-    learner = build_learner(store, options, training, seed)
-    BaselineTrainer(learner, options, training, seed, folder, store.digest).run()
+    learner = build_learner(index, options, training, seed)
+    BaselineTrainer(learner, options, training, seed, folder).run()
 
 
 def build_learner(
-    store: PointStore | VoxelStore, options: ImplicitOptions, training: BaselineTraining, seed: int
+    index: Path, options: ImplicitOptions, training: BaselineTraining, seed: int
 ) -> BaselineLearner:
     """The networks of a baseline, untrained, and its data."""
     if isinstance(options, OccNetOptions):
-        return OccNetLearner(options, training, store, seed)
+        assert isinstance(training, OccNetTraining)
+        return OccNetLearner(options, training, PointStore.open(index), seed)
     if isinstance(options, ShapeGanOptions):
-        return ShapeGanLearner(options, training, store, seed)
-    return ShapeGanVaeLearner(options, training, store, seed)
+        assert isinstance(training, ShapeGanTraining)
+        return ShapeGanLearner(options, training, VoxelStore.open(index), seed)
+    assert isinstance(training, ShapeGanVaeTraining)
+    return ShapeGanVaeLearner(options, training, VoxelStore.open(index), seed)
 
 
 class BaselineTrainer(TrainingLoop):
@@ -67,7 +71,6 @@ class BaselineTrainer(TrainingLoop):
         training: BaselineTraining,
         seed: int,
         folder: Path,
-        data_digest: str,
     ) -> None:
         self.learner, self.options, self.training = learner, options, training
         self.columns = ("epoch", "seconds", *learner.losses)
@@ -75,7 +78,7 @@ class BaselineTrainer(TrainingLoop):
         own = options.model_dump(exclude={"training"})
         digests = {
             "options": run_digest(model=own, training=training.model_dump(exclude=WITHOUT_EFFECT), seed=seed),
-            "data": data_digest,
+            "data": learner.data_digest,
         }
         super().__init__(
             folder,
