@@ -211,29 +211,24 @@ def index(
 
 @app.command()
 def train(
-    index: Annotated[Path, typer.Argument(help="Index written by `tetgan index`.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields, or of a baseline's points or voxels.")],
     folder: Annotated[Path, typer.Argument(help="Folder of the trained model; training resumes in it.")],
     model: OptionsText,
     training: OptionsText = "{}",
     seed: Seed = 0,
     threads: Threads = 2,
 ) -> None:
-    """Train a model on the fields of one category; run again, it goes on where it was stopped.
+    """Train a model on the shapes of one category; run again, it goes on where it was stopped.
 
     Example: `tetgan train index.json model --model '{kind: tetgan, grid: LR, width: 16, code: 32}'`
     """
     from tetgan.models.options import ModelOptions
-    from tetgan.training.options import TrainingOptions
+    from tetgan.training.kinds import training_class
     from tetgan.training.trainer import train_model
 
     _use_threads(threads)
-    train_model(
-        index,
-        _options(ModelOptions, model, "--model"),
-        _options(TrainingOptions, training, "--training"),
-        seed,
-        folder,
-    )
+    chosen = _options(ModelOptions, model, "--model")
+    train_model(index, chosen, _options(training_class(chosen), training, "--training"), seed, folder)
 
 
 @app.command()

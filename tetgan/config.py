@@ -20,6 +20,7 @@ from tetgan.models.options import ModelOptions, TetganOptions
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.training.extractor_options import ExtractorOptions
+from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
@@ -83,12 +84,10 @@ class Config(Options):
             self.training_of(name)
         return self
 
-    def training_of(self, model: str) -> TrainingOptions:
-        """Training options of one model: the common ones, then its own."""
-        options = self.models[model]
-        overrides = options.training if isinstance(options, TetganOptions) else {}
+    def training_of(self, model: str) -> Options:
+        """Training options of one model, of the class that goes with its kind."""
         try:
-            return TrainingOptions.parse(self.training.model_dump() | overrides, "training")
+            return training_options(self.models[model], self.training)
         except UserError as error:
             raise ValueError(f"models.{model}.{error}") from None
 
@@ -97,6 +96,7 @@ class Config(Options):
         options, training = self.models[model], self.training_of(model)
         ours = {"depth": self.grids[options.grid].depth}
         if isinstance(options, TetganOptions):
+            assert isinstance(training, TrainingOptions)
             ours |= {
                 "width": options.width,
                 "code": options.code,

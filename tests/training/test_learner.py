@@ -7,7 +7,8 @@ from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.models.options import TetganOptions
 from tetgan.training.average import WeightAverage
-from tetgan.training.learner import Learner, step_draws
+from tetgan.training.learner import Learner
+from tetgan.training.loop import step_draws
 from tetgan.training.options import TrainingOptions
 
 HIERARCHY = build_hierarchy(1, 1)

@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
 import torch
 from jaxtyping import Float
 from scipy import sparse
@@ -16,6 +15,7 @@ from tetgan.models.options import TetganOptions
 from tetgan.models.tetgan import TetganGenerator
 from tetgan.nn.rows import RowMap
 from tetgan.training.average import WeightAverage
+from tetgan.training.loop import Losses
 from tetgan.training.losses import (
     as_seen_by_critics,
     displacement_loss,
@@ -24,8 +24,6 @@ from tetgan.training.losses import (
     occupancy_loss,
 )
 from tetgan.training.options import TrainingOptions
-
-Losses = dict[str, float]
 
 BYPASS_NOISE = (
     0.3  # of features whose deviation is near 1: what a bottleneck loses, the decoder must not need
@@ -192,9 +190,3 @@ class Learner:
         if self.critic_optimizer is not None:
             parts |= {"critics": self.critics, "critic_optimizer": self.critic_optimizer}
         return parts
-
-
-def step_draws(seed: int, step: int) -> torch.Generator:
-    """The random numbers of one step: a function of seed and step, so a resumed run draws the same."""
-    state = np.random.SeedSequence([seed, step]).generate_state(1, np.uint64)
-    return torch.Generator().manual_seed(int(state[0] >> np.uint64(1)))
