@@ -178,10 +178,10 @@ def samplings(
     Example: `tetgan samplings chairs.zip points.zarr.zip --sampling '{kind: points, count: 30000}'`
     """
     os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
-    from tetgan.fields.options import SamplingOptions
+    from tetgan.fields.options import ShapeSampling
     from tetgan.fields.samplings import sample_shard
 
-    sample_shard(meshes, out, _options(SamplingOptions, sampling, "--sampling"))
+    sample_shard(meshes, out, _options(ShapeSampling, sampling, "--sampling"))
 
 
 @app.command()
@@ -196,7 +196,7 @@ def index(
 
     Example: `tetgan index chairs.zarr.zip index.json --catalogue catalogue.csv --grid '{cells: 2, depth: 2}'`
     """
-    from tetgan.fields.options import SamplingOptions
+    from tetgan.fields.options import ShapeSampling
     from tetgan.fields.samplings import index_samplings
     from tetgan.fields.store import index_fields
     from tetgan.grids.options import GridOptions
@@ -206,7 +206,7 @@ def index(
     if grid:
         index_fields(shards, catalogue, _options(GridOptions, grid, "--grid"), out)
     else:
-        index_samplings(shards, catalogue, _options(SamplingOptions, sampling, "--sampling"), out)
+        index_samplings(shards, catalogue, _options(ShapeSampling, sampling, "--sampling"), out)
 
 
 @app.command()

@@ -77,7 +77,7 @@ def _write_surfaces(
 ) -> Row:
     kind = PointStore if isinstance(options, OccNetOptions) else VoxelStore
     store = kind.open(index)
-    trained = load_surface_model(model, store.options)
+    trained = load_surface_model(model)
     extraction, ids = extraction_of(options, store), store.ids("validation")
     rows = []
     for name, shapes in (
