@@ -14,9 +14,18 @@ from pydantic import Field, model_validator
 
 from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
+from tetgan.fields.options import PointOptions, Sampling, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
 from tetgan.meshing.options import MeshingOptions
-from tetgan.models.options import ModelOptions, TetganOptions
+from tetgan.models.options import (
+    ImplicitOptions,
+    ModelOptions,
+    OccNetOptions,
+    ShapeGanOptions,
+    ShapeGanVaeOptions,
+    SimplifiedOptions,
+    TetganOptions,
+)
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.training.extractor_options import ExtractorOptions
@@ -61,6 +70,14 @@ class Config(Options):
     split: SplitOptions = Field(SplitOptions(), description="training and validation shapes")
     clouds: CloudOptions = Field(CloudOptions(), description="point clouds of raw surfaces")
     grids: dict[Name, GridOptions] = Field(description="tetrahedral grids of the unit cube, by name")
+    samplings: dict[Name, ShapeSampling] = Field(
+        {
+            "points": PointOptions(kind="points"),
+            "voxels-32": VoxelOptions(kind="voxels", resolution=32),
+            "voxels-64": VoxelOptions(kind="voxels", resolution=64),
+        },
+        description="points and voxels that the baselines learn from, by name",
+    )
     models: dict[Name, ModelOptions] = Field(description="rows of the table, by name")
     seeds: list[Annotated[int, Field(ge=0)]] = Field([0], min_length=1, description="seeds of every model")
     training: TrainingOptions = Field(
@@ -79,10 +96,32 @@ class Config(Options):
             if category not in self.sources:
                 raise ValueError(f"categories: '{category}' has no entry under sources")
         for name, model in self.models.items():
-            if model.grid not in self.grids:
-                raise ValueError(f"models.{name}.grid: '{model.grid}' is not one of {sorted(self.grids)}")
+            self._check_data(name, model)
             self.training_of(name)
         return self
+
+    def _check_data(self, name: str, model: Any) -> None:
+        """A model must name what it learns from, or is made from."""
+        if isinstance(model, SimplifiedOptions):
+            self._check_simplified(name, model)
+        elif isinstance(model, ImplicitOptions):
+            self._check_sampling(name, model)
+        elif model.grid not in self.grids:
+            raise ValueError(f"models.{name}.grid: '{model.grid}' is not one of {sorted(self.grids)}")
+
+    def _check_simplified(self, name: str, model: SimplifiedOptions) -> None:
+        others = [
+            other for other, options in self.models.items() if not isinstance(options, SimplifiedOptions)
+        ]
+        if model.of not in others:
+            raise ValueError(f"models.{name}.of: '{model.of}' is not one of {sorted(others)}")
+
+    def _check_sampling(self, name: str, model: ImplicitOptions) -> None:
+        fit = [key for key, sampling in self.samplings.items() if _can_learn_from(model, sampling)]
+        if model.sampling not in fit:
+            raise ValueError(
+                f"models.{name}.sampling: '{model.sampling}' is none of those it can learn from, {sorted(fit)}"
+            )
 
     def training_of(self, model: str) -> Options:
         """Training options of one model, of the class that goes with its kind."""
@@ -93,11 +132,21 @@ class Config(Options):
 
     def reductions(self, model: str) -> str:
         """What is smaller than in the paper for one model, in words; empty when nothing is."""
+        options = self.models[model]
+        if isinstance(options, SimplifiedOptions):
+            return self.reductions(options.of)
+        ours, full = self._sizes(model), BASELINES.get(options.kind, PAPER)
+        return "; ".join(f"{key} {ours[key]} (paper {full[key]})" for key in ours if ours[key] < full[key])
+
+    def _sizes(self, model: str) -> dict[str, int]:
+        """The sizes of a model that `PAPER` has its own for."""
         options, training = self.models[model], self.training_of(model)
-        ours = {"depth": self.grids[options.grid].depth}
+        if isinstance(options, ImplicitOptions):
+            return _sizes_of_baseline(options, self.samplings[options.sampling], training.model_dump())
+        sizes = {"depth": self.grids[options.grid].depth}
         if isinstance(options, TetganOptions):
             assert isinstance(training, TrainingOptions)
-            ours |= {
+            sizes |= {
                 "width": options.width,
                 "code": options.code,
                 "local critic width": options.local_critic_width,
@@ -105,7 +154,7 @@ class Config(Options):
                 "epochs": training.epochs,
                 "batch": training.batch_size,
             }
-        return "; ".join(f"{key} {ours[key]} (paper {PAPER[key]})" for key in ours if ours[key] < PAPER[key])
+        return sizes
 
 
 PAPER = {
@@ -119,6 +168,44 @@ PAPER = {
 }
 """Sizes of the paper and its official code (docs/fidelity.md)."""
 
+BASELINES = {
+    "occnet": {"points": 100_000, "points a step": 2048, "cells a side": 128, "epochs": 1000, "batch": 64},
+    "shapegan-gan": {"voxels a side": 64, "cells a side": 64, "epochs": 1000, "batch": 16},
+    "shapegan-vae": {"voxels a side": 32, "epochs": 500, "batch": 32},
+}
+"""The same of the baselines and their public code, which leaves the epochs of two of them open."""
+
+
+def _can_learn_from(model: ImplicitOptions, sampling: Sampling) -> bool:
+    if isinstance(model, OccNetOptions):
+        return isinstance(sampling, PointOptions)
+    if isinstance(model, ShapeGanVaeOptions):
+        return isinstance(sampling, VoxelOptions) and sampling.resolution == 32
+    return isinstance(sampling, VoxelOptions)
+
+
+def _sizes_of_baseline(
+    options: ImplicitOptions, sampling: Sampling, training: dict[str, Any]
+) -> dict[str, int]:
+    epochs = training["epochs"]
+    sizes = {"epochs": epochs, "batch": training["batch_size"]}
+    if isinstance(options, OccNetOptions):
+        assert isinstance(sampling, PointOptions)
+        cells = options.mise_start * 2**options.mise_steps
+        return {
+            "points": sampling.count,
+            "points a step": training["points"],
+            "cells a side": cells,
+            **sizes,
+        }
+    assert isinstance(sampling, VoxelOptions)
+    sizes = {"voxels a side": sampling.resolution, **sizes}
+    if isinstance(options, ShapeGanOptions):
+        stages = {32: 3, 64: 4}[sampling.resolution]  # from 8 voxels a side
+        total = sum(epochs) if isinstance(epochs, list) else stages * epochs
+        sizes |= {"cells a side": options.resolution, "epochs": total}
+    return sizes
+
 
 def load_config(values: dict[str, Any]) -> dict[str, Any]:
     """Plain, complete configuration from a partial one.
@@ -127,7 +214,8 @@ def load_config(values: dict[str, Any]) -> dict[str, Any]:
         UserError: a key is unknown or a value out of range; one line that names it.
     """
     own = dict(values)
-    for section, union in (("sources", SourceOptions), ("models", ModelOptions)):
+    unions = {"sources": SourceOptions, "samplings": ShapeSampling, "models": ModelOptions}
+    for section, union in unions.items():
         if isinstance(values.get(section), dict):
             own[section] = {name: _of_one_kind(part, union) for name, part in values[section].items()}
     return Config.parse(own).model_dump(mode="json")

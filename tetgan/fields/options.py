@@ -25,4 +25,4 @@ class VoxelOptions(Options):
 
 Sampling = PointOptions | VoxelOptions
 
-SamplingOptions = Annotated[Sampling, Field(discriminator="kind")]
+ShapeSampling = Annotated[Sampling, Field(discriminator="kind")]

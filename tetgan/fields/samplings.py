@@ -15,7 +15,7 @@ from rich.progress import track
 from tetgan.errors import UserError
 from tetgan.fields.arrays import ArrayReader, Arrays, write_arrays
 from tetgan.fields.dataset import ShardedStore, ShardIndex, enter_shards, read_index, write_index
-from tetgan.fields.options import PointOptions, Sampling, SamplingOptions, VoxelOptions
+from tetgan.fields.options import PointOptions, Sampling, ShapeSampling, VoxelOptions
 from tetgan.fields.points import draw_points
 from tetgan.fields.voxels import sample_distance
 from tetgan.shapes.archive import read_meshes
@@ -27,7 +27,7 @@ _DIMENSIONS = {"points": {"points": 2, "occupancy": 1}, "voxels": {"distance": 3
 class _Index(ShardIndex):
     """What `index.json` holds; `digests` are those of the shard files, in their order."""
 
-    sampling: SamplingOptions
+    sampling: ShapeSampling
     digests: list[str]
 
 

@@ -70,6 +70,15 @@ def save_generator(
         save_file(weights, partial)
 
 
+def load_options(folder: Path) -> Any:
+    """The options (`ModelOptions`) of the trained model of a folder.
+
+    Raises:
+        UserError: the folder holds no whole model.
+    """
+    return _read_model(folder)[1]
+
+
 def load_generator(folder: Path, hierarchy: GridHierarchy) -> FieldGenerator:
     """The trained model of fields of a folder, on the CPU and ready to decode.
 
