@@ -7,20 +7,31 @@ tells whether it is in step. These classes are the one place that knows types, r
 import argparse
 import sys
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, get_args
 
 import yaml
 from pydantic import Field, model_validator
 
 from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
+from tetgan.fields.options import PointOptions, Sampling, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
 from tetgan.meshing.options import MeshingOptions
 from tetgan.models.like import allow_like, resolve_like
-from tetgan.models.options import DeftetOptions, ModelOptions, TetganOptions
+from tetgan.models.options import (
+    DeftetOptions,
+    ImplicitOptions,
+    ModelOptions,
+    OccNetOptions,
+    ShapeGanOptions,
+    ShapeGanVaeOptions,
+    SimplifiedOptions,
+    TetganOptions,
+)
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.training.extractor_options import ExtractorOptions
+from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions
 
 TABLES = {
@@ -30,7 +41,6 @@ TABLES = {
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
-AnyOptions = TypeVar("AnyOptions", bound=Options)
 
 
 class NormaliseOptions(Options):
@@ -68,6 +78,14 @@ class Config(Options):
     split: SplitOptions = Field(SplitOptions(), description="training and validation shapes")
     clouds: CloudOptions = Field(CloudOptions(), description="point clouds of raw surfaces")
     grids: dict[Name, GridOptions] = Field(description="tetrahedral grids of the unit cube, by name")
+    samplings: dict[Name, ShapeSampling] = Field(
+        {
+            "points": PointOptions(kind="points"),
+            "voxels-32": VoxelOptions(kind="voxels", resolution=32),
+            "voxels-64": VoxelOptions(kind="voxels", resolution=64),
+        },
+        description="points and voxels that the baselines learn from, by name",
+    )
     models: dict[Name, ModelOptions] = Field(
         description="by name; `like: other` takes over the other's settings, an empty entry drops the model",
         json_schema_extra=allow_like,
@@ -102,16 +120,38 @@ class Config(Options):
             if category not in self.sources:
                 raise ValueError(f"categories: '{category}' has no entry under sources")
         for name, model in self.models.items():
-            if model.grid not in self.grids:
-                raise ValueError(f"models.{name}.grid: '{model.grid}' is not one of {sorted(self.grids)}")
-            if isinstance(model, DeftetOptions):
-                self._check_moved(name, model)
+            self._check_data(name, model)
             self.training_of(name)
             self.meshing_of(name)
         for name in self.ablation:
             if name not in self.models:
                 raise ValueError(f"ablation: '{name}' has no entry under models")
         return self
+
+    def _check_data(self, name: str, model: Any) -> None:
+        """A model must name what it learns from, or is made from."""
+        if isinstance(model, SimplifiedOptions):
+            self._check_simplified(name, model)
+        elif isinstance(model, ImplicitOptions):
+            self._check_sampling(name, model)
+        elif model.grid not in self.grids:
+            raise ValueError(f"models.{name}.grid: '{model.grid}' is not one of {sorted(self.grids)}")
+        elif isinstance(model, DeftetOptions):
+            self._check_moved(name, model)
+
+    def _check_simplified(self, name: str, model: SimplifiedOptions) -> None:
+        others = [
+            other for other, options in self.models.items() if not isinstance(options, SimplifiedOptions)
+        ]
+        if model.of not in others:
+            raise ValueError(f"models.{name}.of: '{model.of}' is not one of {sorted(others)}")
+
+    def _check_sampling(self, name: str, model: ImplicitOptions) -> None:
+        fit = [key for key, sampling in self.samplings.items() if _can_learn_from(model, sampling)]
+        if model.sampling not in fit:
+            raise ValueError(
+                f"models.{name}.sampling: '{model.sampling}' is none of those it can learn from, {sorted(fit)}"
+            )
 
     def _check_moved(self, name: str, model: DeftetOptions) -> None:
         moved = self.models.get(model.of)
@@ -125,18 +165,18 @@ class Config(Options):
         """Rows of a category's table: every model but those of the ablation that are not the full one."""
         return [name for name in self.models if name not in self.ablation[1:]]
 
-    def training_of(self, model: str) -> TrainingOptions:
-        """Training options of one model: the common ones, then its own."""
-        return self._overridden(model, "training", self.training)
+    def training_of(self, model: str) -> Options:
+        """Training options of one model, of the class that goes with its kind."""
+        try:
+            return training_options(self.models[model], self.training)
+        except UserError as error:
+            raise ValueError(f"models.{model}.{error}") from None
 
     def meshing_of(self, model: str) -> MeshingOptions:
         """Meshing options of one model: the common ones, then its own."""
-        return self._overridden(model, "meshing", self.meshing)
-
-    def _overridden(self, model: str, section: str, common: AnyOptions) -> AnyOptions:
-        own = getattr(self.models[model], section, {})
+        own = getattr(self.models[model], "meshing", {})
         try:
-            return type(common).parse(common.model_dump() | own, section)
+            return MeshingOptions.parse(self.meshing.model_dump() | own, "meshing")
         except UserError as error:
             raise ValueError(f"models.{model}.{error}") from None
 
@@ -144,7 +184,7 @@ class Config(Options):
         """The first model that is trained in the same way: those that only mesh differently share weights."""
         return next(name for name in self.models if self._trained(name) == self._trained(model))
 
-    def _trained(self, model: str) -> tuple[dict[str, Any], TrainingOptions]:
+    def _trained(self, model: str) -> tuple[dict[str, Any], Options]:
         return self.models[model].model_dump(exclude={"training", "meshing"}), self.training_of(model)
 
     def changes(self, model: str) -> str:
@@ -163,12 +203,21 @@ class Config(Options):
 
     def reductions(self, model: str) -> str:
         """What is smaller than in the paper for one model, in words; empty when nothing is."""
-        options, training = self.models[model], self.training_of(model)
-        if isinstance(options, DeftetOptions):
+        options = self.models[model]
+        if isinstance(options, SimplifiedOptions | DeftetOptions):
             return self.reductions(options.of)
-        ours = {"depth": self.grids[options.grid].depth}
+        ours, full = self._sizes(model), BASELINES.get(options.kind, PAPER)
+        return "; ".join(f"{key} {ours[key]} (paper {full[key]})" for key in ours if ours[key] < full[key])
+
+    def _sizes(self, model: str) -> dict[str, int]:
+        """The sizes of a model that `PAPER` has its own for."""
+        options, training = self.models[model], self.training_of(model)
+        if isinstance(options, ImplicitOptions):
+            return _sizes_of_baseline(options, self.samplings[options.sampling], training.model_dump())
+        sizes = {"depth": self.grids[options.grid].depth}
         if isinstance(options, TetganOptions):
-            ours |= {
+            assert isinstance(training, TrainingOptions)
+            sizes |= {
                 "width": options.width,
                 "code": options.code,
                 "local critic width": options.local_critic_width,
@@ -176,7 +225,7 @@ class Config(Options):
                 "epochs": training.epochs,
                 "batch": training.batch_size,
             }
-        return "; ".join(f"{key} {ours[key]} (paper {PAPER[key]})" for key in ours if ours[key] < PAPER[key])
+        return sizes
 
 
 PAPER = {
@@ -190,6 +239,44 @@ PAPER = {
 }
 """Sizes of the paper and its official code (docs/fidelity.md)."""
 
+BASELINES = {
+    "occnet": {"points": 100_000, "points a step": 2048, "cells a side": 128, "epochs": 1000, "batch": 64},
+    "shapegan-gan": {"voxels a side": 64, "cells a side": 64, "epochs": 1000, "batch": 16},
+    "shapegan-vae": {"voxels a side": 32, "epochs": 500, "batch": 32},
+}
+"""The same of the baselines and their public code, which leaves the epochs of two of them open."""
+
+
+def _can_learn_from(model: ImplicitOptions, sampling: Sampling) -> bool:
+    if isinstance(model, OccNetOptions):
+        return isinstance(sampling, PointOptions)
+    if isinstance(model, ShapeGanVaeOptions):
+        return isinstance(sampling, VoxelOptions) and sampling.resolution == 32
+    return isinstance(sampling, VoxelOptions)
+
+
+def _sizes_of_baseline(
+    options: ImplicitOptions, sampling: Sampling, training: dict[str, Any]
+) -> dict[str, int]:
+    epochs = training["epochs"]
+    sizes = {"epochs": epochs, "batch": training["batch_size"]}
+    if isinstance(options, OccNetOptions):
+        assert isinstance(sampling, PointOptions)
+        cells = options.mise_start * 2**options.mise_steps
+        return {
+            "points": sampling.count,
+            "points a step": training["points"],
+            "cells a side": cells,
+            **sizes,
+        }
+    assert isinstance(sampling, VoxelOptions)
+    sizes = {"voxels a side": sampling.resolution, **sizes}
+    if isinstance(options, ShapeGanOptions):
+        stages = {32: 3, 64: 4}[sampling.resolution]  # from 8 voxels a side
+        total = sum(epochs) if isinstance(epochs, list) else stages * epochs
+        sizes |= {"cells a side": options.resolution, "epochs": total}
+    return sizes
+
 
 def load_config(values: dict[str, Any]) -> dict[str, Any]:
     """Plain, complete configuration from a partial one.
@@ -200,7 +287,8 @@ def load_config(values: dict[str, Any]) -> dict[str, Any]:
     own = dict(values)
     if isinstance(values.get("models"), dict):
         own["models"] = resolve_like(values["models"])
-    for section, union in (("sources", SourceOptions), ("models", ModelOptions)):
+    unions = {"sources": SourceOptions, "samplings": ShapeSampling, "models": ModelOptions}
+    for section, union in unions.items():
         if isinstance(own.get(section), dict):
             own[section] = {name: _of_one_kind(part, union) for name, part in own[section].items()}
     return Config.parse(own).model_dump(mode="json")

@@ -9,6 +9,7 @@ from tetgan.grids.adjacency import EDGES, FACES, face_neighbors, unique_edges
 from tetgan.grids.grid import tet_volumes
 from tetgan.meshing.solid import SolidMesh
 from tetgan.meshing.thickness import median_thickness
+from tetgan.shapes.soup import Soup
 
 
 def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
@@ -33,6 +34,22 @@ def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
         "components": len(components),
         "floating": float(1 - components.max() / len(mesh.tets)) if len(mesh.tets) else 0.0,
         "manifold_edges": _manifold_share(mesh.faces),
+    }
+
+
+def surface_record(surface: Soup) -> dict[str, int | float]:
+    """One row of the certificate of a surface without tets.
+
+    Returns:
+        `faces`; `volume` enclosed, in cubed cube sides; `components` of faces that share vertices;
+        `manifold_edges`, the share of edges with exactly two faces. All are 0 for an empty surface.
+    """
+    corners = surface.triangles - 0.5
+    return {
+        "faces": len(surface.faces),
+        "volume": float(np.linalg.det(corners).sum() / 6),
+        "components": _vertex_component_count(surface.faces),
+        "manifold_edges": _manifold_share(surface.faces),
     }
 
 
@@ -62,6 +79,16 @@ def _component_sizes(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "N"]:
         (np.ones(len(rows), dtype=bool), (rows, neighbors[rows, slots])), shape=(len(tets),) * 2
     )
     return np.bincount(connected_components(links, directed=False)[1])
+
+
+def _vertex_component_count(faces: Int[np.ndarray, "F 3"]) -> int:
+    used, compact = np.unique(faces, return_inverse=True)
+    if len(used) == 0:
+        return 0
+    a, b, c = compact.reshape(-1, 3).T
+    ends = np.concatenate([a, b]), np.concatenate([b, c])
+    links = sparse.coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(len(used),) * 2)
+    return int(connected_components(links, directed=False, return_labels=False))
 
 
 def _manifold_share(faces: Int[np.ndarray, "F 3"]) -> float:

@@ -12,9 +12,12 @@ from tetgan.errors import UserError
 from tetgan.fields.store import FieldStore
 from tetgan.fields.vertices import vertex_operator
 from tetgan.models.baselines.pca import PcaGenerator
-from tetgan.models.options import DeftetOptions, ModelOptions, PcaOptions, TetganOptions
+from tetgan.models.options import DeftetOptions, ImplicitOptions, ModelOptions, PcaOptions, TetganOptions
 from tetgan.models.registry import build_generator, save_generator
 from tetgan.nn.device import pick_device
+from tetgan.options import Options
+from tetgan.training.baselines.options import BaselineTraining
+from tetgan.training.baselines.trainer import train_baseline
 from tetgan.training.checkpoint import run_digest
 from tetgan.training.data import FieldData
 from tetgan.training.deftet import DeftetTrainer
@@ -37,16 +40,17 @@ SOME_SHAPES = 1024  # from which the latent head starts and the prior is fitted,
 def train_model(
     index: Path,
     options: ModelOptions,  # type: ignore[valid-type]
-    training: TrainingOptions,
+    training: Options,
     seed: int,
     out_folder: Path,
     *,
     of: Path | None = None,
 ) -> None:
-    """Train a model on the training split of an index of fields.
+    """Train a model on the training split of an index of fields; a baseline, of points or voxels.
 
     Args:
-        index: `index.json` of the fields.
+        index: `index.json` of the fields, points or voxels.
+        training: of the class that goes with the model's kind.
         out_folder: receives `options.json` and `weights.safetensors`; for TetGAN also `log.csv`, `events/`
             for TensorBoard, `decoded_*.png`, and `checkpoint.pt`, from which a killed run goes on.
         of: folder of the trained TetGAN whose boundary a DefTet moves.
@@ -54,13 +58,19 @@ def train_model(
     Raises:
         UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN.
     """
+    if isinstance(options, ImplicitOptions):
+        assert isinstance(training, BaselineTraining)
+        train_baseline(index, options, training, seed, out_folder)
+        return
     store = FieldStore.open(index)
     if not store.ids("train"):
         raise UserError(f"{index}: no training shapes; add shapes to the source")
     if isinstance(options, TetganOptions):
+        assert isinstance(training, TrainingOptions)
         Trainer(store, options, training, seed, out_folder).run()
         return
     if isinstance(options, DeftetOptions):
+        assert isinstance(training, TrainingOptions)
         if of is None:
             raise UserError("--of: 'deftet' needs the folder of the trained TetGAN whose boundary it moves")
         DeftetTrainer(store, options, training, seed=seed, of=of, folder=out_folder).run()
