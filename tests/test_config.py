@@ -135,13 +135,12 @@ def test_models_that_are_meshed_differently_share_their_training():
         assert name == "no-filter" or config.trained_as(name) == name
 
 
-def test_every_ablation_of_the_default_changes_one_thing_at_the_size_of_the_full_model():
+def test_ablations_of_the_default_train_as_long_as_the_full_model():
     config = Config.parse(DEFAULT)
     for name in config.ablation:
-        assert (
-            config.training_of(name).epochs == config.training_of("tetgan-LR").epochs or name == "surface-gcn"
-        )
         assert config.models[name].grid == "LR"
+        if name != "surface-gcn":  # whose network is far smaller
+            assert config.training_of(name).epochs == config.training_of("tetgan-LR").epochs
 
 
 def test_an_entry_of_another_kind_drops_what_the_default_said_of_its_own():
