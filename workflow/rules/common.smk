@@ -124,7 +124,11 @@ def training_inputs(wildcards):
 
 def standing_on(wildcards, input):
     """Option that names the model under another one."""
-    return f"--of {shlex.quote(str(Path(input.of).parent))}" if "of" in input.keys() else ""
+    return (
+        f"--of {shlex.quote(str(Path(input.of).parent))}"
+        if "of" in input.keys()
+        else ""
+    )
 
 
 def shard_numbers():
