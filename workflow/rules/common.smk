@@ -19,6 +19,20 @@ RESULTS = f"results/{config['run']}" if config["run"] else "results"
 SHOWN_MODELS = [
     name for name, model in SETTINGS.models.items() if model.kind == "tetgan"
 ]
+SIMPLIFIED = [
+    name for name, model in SETTINGS.models.items() if model.kind == "simplified"
+]
+TRAINED = [name for name in SETTINGS.models if name not in SIMPLIFIED]
+
+
+SAMPLING_MODULES = [
+    f"fields/{name}" for name in ("arrays", "dataset", "points", "samplings", "voxels")
+]
+
+
+def one_of(names):
+    """Constraint of a wildcard; with no names nothing matches."""
+    return "|".join(names) or "(?!)"
 
 
 def stage_digest(*rooms):
@@ -60,19 +74,22 @@ def identity(wildcards):
         {
             "category": wildcards.category,
             "model": wildcards.model,
-            "grid": model.grid,
+            "grid": getattr(model, "grid", ""),
             "mode": wildcards.mode,
             "seed": int(wildcards.seed),
+            "simplified": model.kind == "simplified",
             "reduced": SETTINGS.reductions(wildcards.model),
         }
     )
 
 
 def model_fields(wildcards):
-    """Index and shards of the fields that a model learns from."""
-    folder = (
-        f"<results>/fields/{wildcards.category}/{SETTINGS.models[wildcards.model].grid}"
-    )
+    """Index and shards of the fields, or of the points or voxels, that a model learns from."""
+    model = SETTINGS.models[wildcards.model]
+    if hasattr(model, "grid"):
+        folder = f"<results>/fields/{wildcards.category}/{model.grid}"
+    else:
+        folder = f"<results>/samplings/{wildcards.category}/{model.sampling}"
     return {
         "index": f"{folder}/index.json",
         "shards": [
@@ -80,6 +97,14 @@ def model_fields(wildcards):
             for part in shard_numbers()
         ],
     }
+
+
+def simplified_samples(wildcards):
+    """Samples of the model that a simplified one is made from."""
+    of = SETTINGS.models[wildcards.model].of
+    return (
+        f"<results>/samples/{wildcards.category}/{of}/{wildcards.seed}/{wildcards.mode}"
+    )
 
 
 def shard_numbers():
