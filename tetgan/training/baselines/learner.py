@@ -1,5 +1,7 @@
 """What the loop asks of every baseline in training."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Protocol
 
 import torch
@@ -47,3 +49,11 @@ class BaselineLearner(Protocol):
 
     def parts(self) -> dict[str, Any]:
         """What a checkpoint must hold."""
+
+
+@contextmanager
+def seeded(seed: int) -> Iterator[None]:
+    """Inside, PyTorch's global generator, which weights are drawn from, starts from the seed."""
+    with torch.random.fork_rng(devices=[]):
+        torch.manual_seed(seed)
+        yield

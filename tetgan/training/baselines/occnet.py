@@ -13,6 +13,7 @@ from tetgan.models.measures import occupancy_iou
 from tetgan.models.options import OccNetOptions
 from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import PointData, PointSource
+from tetgan.training.baselines.learner import seeded
 from tetgan.training.baselines.options import OccNetTraining
 from tetgan.training.loop import Losses
 
@@ -28,8 +29,7 @@ class OccNetLearner:
         self.training, self.device = training, pick_device(training.device)
         self.data_digest = store.digest
         self.data, self.held_out = PointData(store, "train"), PointData(store, "validation")
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(seed)
+        with seeded(seed):
             self.generator = OccNetGenerator(options).to(self.device)
         self.optimizer = torch.optim.Adam(self.generator.parameters(), training.learning_rate)
 

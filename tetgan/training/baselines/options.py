@@ -16,7 +16,9 @@ class BaselineTraining(Options):
     device: Literal["auto", "cpu", "cuda"] = Field(
         "auto", description="where to train; auto: CUDA if present"
     )
-    validate_every: int = Field(10, ge=1, description="epochs between two validation rows of the log")
+    validate_every: int = Field(
+        10, ge=1, description="epochs between two validation rows of the log, where there is an encoder"
+    )
     checkpoint_seconds: float = Field(120.0, ge=0, description="least time between two checkpoints")
 
 

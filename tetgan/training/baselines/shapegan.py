@@ -14,6 +14,7 @@ from tetgan.models.baselines.shapegan import RESOLUTIONS, ShapeGanGenerator, Vox
 from tetgan.models.options import ShapeGanOptions
 from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import VoxelData, VoxelSource
+from tetgan.training.baselines.learner import seeded
 from tetgan.training.baselines.options import ShapeGanTraining
 from tetgan.training.loop import Losses
 from tetgan.training.losses import gradient_penalty
@@ -33,8 +34,7 @@ class ShapeGanLearner:
         self.data_digest = store.digest
         self.data = VoxelData(store, "train")
         self.stages = stages(self.data.resolution, training.epochs)
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(seed)
+        with seeded(seed):
             self.generator = ShapeGanGenerator(options).to(self.device)
             self.critic = VoxelCritic().to(self.device)
         self.optimizer = torch.optim.RMSprop(self.generator.parameters(), training.learning_rate)

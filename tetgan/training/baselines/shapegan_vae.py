@@ -13,6 +13,7 @@ from tetgan.models.measures import occupancy_iou
 from tetgan.models.options import ShapeGanVaeOptions
 from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import VoxelData, VoxelSource
+from tetgan.training.baselines.learner import seeded
 from tetgan.training.baselines.options import ShapeGanVaeTraining
 from tetgan.training.loop import Losses
 from tetgan.training.losses import kl_divergence
@@ -30,8 +31,7 @@ class ShapeGanVaeLearner:
         self.data_digest = store.digest
         self.data, self.held_out = VoxelData(store, "train"), VoxelData(store, "validation")
         self._check()
-        with torch.random.fork_rng(devices=[]):
-            torch.manual_seed(seed)
+        with seeded(seed):
             self.generator = ShapeGanVae(options).to(self.device)
         self.optimizer = torch.optim.Adam(self.generator.parameters(), training.learning_rate)
 
