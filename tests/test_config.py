@@ -60,6 +60,24 @@ def test_the_written_schema_is_in_step():
         ),
         (changed(sources={"../evil": {"kind": "builtin"}}), ["../evil"]),
         (changed(sources={"fid": {"kind": "builtin"}}), ["'fid' is the name of a table"]),
+        (changed(samplings={"points": {"kind": "points", "coun": 3}}), ["samplings.points", "count"]),
+        (
+            changed(models={"m": {"kind": "occnet", "sampling": "voxels-32"}}),
+            ["models.m.sampling", "'voxels-32'", "['points']"],
+        ),
+        (
+            changed(models={"m": {"kind": "shapegan-vae", "sampling": "voxels-64"}}),
+            ["models.m.sampling", "['voxels-32']"],
+        ),
+        (changed(models={"m": {"kind": "simplified", "of": "nothing"}}), ["models.m.of", "'nothing'"]),
+        (
+            changed(models={"m": {"kind": "simplified", "of": "occnet-simplified"}}),
+            ["models.m.of", "'occnet-simplified'"],
+        ),
+        (
+            changed(models={"m": {"kind": "occnet", "training": {"epoch": 3}}}),
+            ["models.m", "epoch", "epochs"],
+        ),
     ],
 )
 def test_a_mistake_is_one_line_naming_its_key(values, words):
@@ -159,3 +177,29 @@ def test_reductions_name_what_is_smaller_than_in_the_paper():
     assert f"width 16 (paper {PAPER['width']})" in config.reductions("m")
     assert "depth 2 (paper 3)" in config.reductions("m")
     assert "code" not in config.reductions("m")
+
+
+def test_reductions_of_baselines_name_their_own_sizes():
+    whole = {"kind": "occnet", "mise_start": 32, "mise_steps": 2}
+    config = Config.parse(
+        changed(
+            samplings={"all": {"kind": "points", "count": 100_000}},
+            models={
+                "whole": whole | {"sampling": "all"},
+                "small": {"kind": "occnet", "mise_start": 16, "training": {"epochs": 7, "points": 512}},
+                "star": {"kind": "simplified", "of": "small"},
+                "gan": {
+                    "kind": "shapegan-gan",
+                    "sampling": "voxels-32",
+                    "training": {"epochs": [3, 2, 1]},
+                },
+            },
+        )
+    )
+    assert config.reductions("whole") == ""
+    assert config.reductions("small") == (
+        "points 30000 (paper 100000); points a step 512 (paper 2048); cells a side 64 (paper 128); "
+        "epochs 7 (paper 1000)"
+    )
+    assert config.reductions("star") == config.reductions("small")
+    assert config.reductions("gan") == "voxels a side 32 (paper 64); epochs 6 (paper 1000)"

@@ -150,7 +150,7 @@ class Config(Options):
         fit = [key for key, sampling in self.samplings.items() if _can_learn_from(model, sampling)]
         if model.sampling not in fit:
             raise ValueError(
-                f"models.{name}.sampling: '{model.sampling}' is none of those it can learn from, {sorted(fit)}"
+                f"models.{name}.sampling: '{model.sampling}' is none that it can learn from: {sorted(fit)}"
             )
 
     def _check_moved(self, name: str, model: DeftetOptions) -> None:

@@ -20,6 +20,20 @@ RESULTS = f"results/{config['run']}" if config["run"] else "results"
 SHOWN_MODELS = [
     name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
+SIMPLIFIED = [
+    name for name, model in SETTINGS.models.items() if model.kind == "simplified"
+]
+TRAINED = [name for name in SETTINGS.models if name not in SIMPLIFIED]
+
+
+SAMPLING_MODULES = [
+    f"fields/{name}" for name in ("arrays", "dataset", "points", "samplings", "voxels")
+]
+
+
+def one_of(names):
+    """Constraint of a wildcard; with no names nothing matches."""
+    return "|".join(names) or "(?!)"
 
 # Every table and figure of the target `paper`: each file of rules adds its own.
 PAPER_TARGETS = []
@@ -74,9 +88,10 @@ def identity(wildcards):
         {
             "category": wildcards.category,
             "model": wildcards.model,
-            "grid": model.grid,
+            "grid": getattr(model, "grid", ""),
             "mode": wildcards.mode,
             "seed": int(wildcards.seed),
+            "simplified": model.kind == "simplified",
             "reduced": SETTINGS.reductions(wildcards.model),
         }
     )
@@ -90,10 +105,12 @@ def ablation_changes(wildcards):
 
 
 def model_fields(wildcards):
-    """Index and shards of the fields that a model learns from."""
-    folder = (
-        f"<results>/fields/{wildcards.category}/{SETTINGS.models[wildcards.model].grid}"
-    )
+    """Index and shards of the fields, or of the points or voxels, that a model learns from."""
+    model = SETTINGS.models[wildcards.model]
+    if hasattr(model, "grid"):
+        folder = f"<results>/fields/{wildcards.category}/{model.grid}"
+    else:
+        folder = f"<results>/samplings/{wildcards.category}/{model.sampling}"
     return {
         "index": f"{folder}/index.json",
         "shards": [
@@ -128,6 +145,14 @@ def standing_on(wildcards, input):
         f"--of {shlex.quote(str(Path(input.of).parent))}"
         if "of" in input.keys()
         else ""
+    )
+
+
+def simplified_samples(wildcards):
+    """Samples of the model that a simplified one is made from."""
+    of = SETTINGS.models[wildcards.model].of
+    return (
+        f"<results>/samples/{wildcards.category}/{of}/{wildcards.seed}/{wildcards.mode}"
     )
 
 

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 from tetgan.errors import UserError
+from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.models.options import ModelOptions
 from tetgan.models.registry import load_generator, load_surface_model
 from tetgan.options import parse_options
@@ -98,7 +99,7 @@ def test_a_trained_model_is_loaded_without_a_grid(indexes, in_one_go, kind):
 
 def test_a_model_of_the_wrong_sort_is_named(in_one_go):
     with pytest.raises(UserError, match="occnet, which has no fields"):
-        load_generator(in_one_go / "occnet", hierarchy=None)
+        load_generator(in_one_go / "occnet", build_hierarchy(1, 0))
 
 
 def test_the_log_has_the_columns_of_the_model(in_one_go):
