@@ -29,7 +29,7 @@ paper: setup  ## Every table and figure that a config holds: make paper CONFIG=c
 	$(BIN)/snakemake paper --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
 
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
-	$(BIN)/snakemake results/smoke/tables/chair.csv --cores $(CORES) --configfile config/smoke.yaml
+	$(BIN)/snakemake --cores $(CORES) --configfile=config/smoke.yaml results/smoke/tables/chair.csv
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 	$(BIN)/python -m pytest $(if $(PYTEST),$(PYTEST),-m "not slow")

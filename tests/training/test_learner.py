@@ -54,6 +54,16 @@ def test_a_critic_step_moves_critics_alone(field):
     assert any(moved(subject.critics["local"], critics[: len(list(subject.critics["local"].parameters()))]))
 
 
+def test_a_late_critic_learns_at_its_full_rate(field):
+    early, late = learner(), learner()
+    late.set_rate(0.01)
+    for subject in (early, late):
+        subject.critic_step(field, step_draws(0, 0))
+        subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    assert not any(moved(late.critics, snapshot(early.critics)))
+    assert all(moved(late.generator, snapshot(early.generator)))
+
+
 def test_an_adversarial_step_moves_the_decoder_alone():
     subject = learner()
     encoder, critics = snapshot(subject.generator.encoder), snapshot(subject.critics)

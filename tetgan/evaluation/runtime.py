@@ -19,9 +19,11 @@ BENCHMARKS = (
     "repair_shapes/{category}/{shard}",
     "sample_clouds/{category}",
     "extract_fields/{category}/{grid}/{shard}",
+    "extract_samplings/{category}/{sampling}/{shard}",
     "train_extractor",
     "train_model/{category}/{model}/{seed}",
     "sample_model/{category}/{model}/{seed}/{mode}",
+    "simplify_samples/{category}/{model}/{seed}/{mode}",
     "evaluate_model/{category}/{model}/{seed}/{mode}",
     "evaluate_real/{category}",
 )
@@ -31,6 +33,7 @@ COLUMNS = (
     "stage",
     "category",
     "grid",
+    "sampling",
     "model",
     "mode",
     "jobs",
@@ -44,7 +47,8 @@ COLUMNS = (
     "train_minutes",
     "paper",
 )
-_KEYS = ("category", "grid", "model", "mode")
+_KEYS = ("category", "grid", "sampling", "model", "mode")
+_OF_TRAINED, _OF_SIMPLIFIED = ("train_model", "sample_model"), "simplify_samples"
 _COUNTS = ("jobs", "jobs_measured", "shapes")
 _NOTES = [
     "Seconds are those of a stage's jobs one after another, all shards together, as Snakemake measured them: "
@@ -63,12 +67,14 @@ class Job(NamedTuple):
     """What a metrics file tells of the jobs behind it; None where a stage has no such thing."""
 
     category: str
-    grid: str | None
-    model: str | None
-    mode: str | None
-    seed: int | None
-    shapes: int | None
-    train_minutes: float | None
+    grid: str | None = None
+    sampling: str | None = None
+    model: str | None = None
+    mode: str | None = None
+    seed: int | None = None
+    simplified: bool = False
+    shapes: int | None = None
+    train_minutes: float | None = None
 
 
 class Cost(NamedTuple):
@@ -127,14 +133,16 @@ def build_runtime(
 
 def _job(report: Mapping[str, Any]) -> Job:
     if report["model"] == "real":
-        return Job(report["category"], None, None, None, None, None, None)
+        return Job(report["category"])
     section = next(iter(report["smoothings"].values()))
     return Job(
         category=report["category"],
         grid=report.get("grid") or None,
+        sampling=report.get("sampling"),
         model=report["model"],
         mode=report.get("mode"),
         seed=report.get("seed"),
+        simplified=bool(report.get("simplified", False)),
         shapes=sum(section.get(kind, {}).get("expected", 0) for kind in ("generated", "reconstructed")),
         train_minutes=report.get("train_minutes"),
     )
@@ -147,8 +155,8 @@ def _count_shapes(results: Path, category: str) -> dict[str, int]:
     if catalogue.is_file():
         found = count_shapes(read_catalogue(catalogue))
         repaired = found["ok"] + found["filled"]
-        counts |= {"repair_shapes": found["listed"], "extract_fields": repaired, "evaluate_real": repaired}
-        counts["train_model"] = found["train"]
+        counts = dict.fromkeys(("extract_fields", "extract_samplings", "evaluate_real"), repaired)
+        counts |= {"repair_shapes": found["listed"], "train_model": found["train"]}
     if clouds.is_file():
         sampled = read_clouds(clouds)
         counts["sample_clouds"] = len(sampled.train_ids) + len(sampled.holdout_ids)
@@ -157,6 +165,10 @@ def _count_shapes(results: Path, category: str) -> dict[str, int]:
 
 def _groups(place: str, jobs: Sequence[Job]) -> list[list[Job]]:
     """The jobs of each row of a stage, one a seed."""
+    if place.startswith(_OF_TRAINED):
+        jobs = [job for job in jobs if not job.simplified]
+    elif place.startswith(_OF_SIMPLIFIED):
+        jobs = [job for job in jobs if job.simplified]
     names = [name for name in (*_KEYS, "seed") if f"{{{name}}}" in place]
     groups: dict[tuple[Any, ...], dict[Any, Job]] = {}
     for job in jobs:
@@ -256,7 +268,7 @@ def _render(table: pd.DataFrame) -> str:
     columns = {
         "Stage": table["stage"],
         "Category": table["category"].map(plain),
-        "Model or grid": table["model"].fillna(table["grid"]).map(plain),
+        "Of": table[["model", "grid", "sampling"]].apply(_first_known, axis=1),
         "Mode": table["mode"].map(plain),
         "Jobs measured": [
             "" if pd.isna(jobs) else f"{measured} of {jobs}"
@@ -271,6 +283,10 @@ def _render(table: pd.DataFrame) -> str:
         "Paper": table["paper"].map(plain),
     }
     return page("Time and memory", markdown_table(columns), notes=_NOTES)
+
+
+def _first_known(row: pd.Series) -> str:
+    return next((str(value) for value in row if not pd.isna(value)), "")
 
 
 def _figure(value: float | None) -> str:

@@ -35,6 +35,7 @@ def one_of(names):
     """Constraint of a wildcard; with no names nothing matches."""
     return "|".join(names) or "(?!)"
 
+
 # Every table and figure of the target `paper`: each file of rules adds its own.
 PAPER_TARGETS = []
 
@@ -168,10 +169,10 @@ def fields_mem_mb(wildcards, attempt):
 
 
 def training_threads(wildcards):
-    """Cores of one training: models train side by side, as a second core speeds one up by a sixth only."""
+    """Cores of one training: several run side by side, as a second core speeds one up by a sixth only."""
     return max(1, (workflow.cores or 1) // max(1, len(SHOWN_MODELS)))
 
 
 def training_mem_mb(wildcards, attempt):
-    """Memory of one training run: a bound for laptop sizes, more at each retry; paper sizes need a profile."""
-    return attempt * 4000
+    """Memory of one training run: the default's largest takes 1.4 GiB; paper sizes need a profile."""
+    return attempt * 2500

@@ -17,6 +17,7 @@ rule train_model:
         "<benchmarks>/train_model/{category}/{model}/{seed}.tsv"
     wildcard_constraints:
         model=one_of(TRAINED),
+    priority: 1  # the longest jobs start first
     conda:
         "../envs/tetgan.yaml"
     threads: training_threads
@@ -46,7 +47,7 @@ rule train_extractor:
         "<benchmarks>/train_extractor.tsv"
     conda:
         "../envs/tetgan.yaml"
-    threads: 2
+    threads: training_threads
     resources:
         mem_mb=5000,
     params:
