@@ -80,6 +80,8 @@ def test_help_imports_nothing_heavy():
         (["train", "absent.json", "model", "--model", "{kind: occnet}"], ["absent.json"]),
         (["simplify", "absent", "out"], ["absent", "no samples"]),
         (["sample", "absent", "absent.json", "out"], ["absent"]),
+        (["evaluate", "absent", "absent", "--out", "report.json"], ["absent", "no such folder"]),
+        (["evaluate", "a", "b", "--out", "report.json", "--options", "{point: 3}"], ["point", "points"]),
         (["sample", "absent", "absent.json", "out", "--mode", "smooth"], ["mode", "'paper'", "smooth"]),
     ],
 )

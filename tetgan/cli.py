@@ -312,14 +312,18 @@ def metrics(
     out: Annotated[Path, typer.Argument(help="Metrics (.json) to write.")],
     clouds: Annotated[Path, typer.Option(help="Point clouds with the hold-out surfaces.")],
     extractor: Annotated[Path, typer.Option(help="Folder of the trained classifier.")],
+    catalogue: Annotated[
+        Path | None, typer.Option(help="Catalogue that tells the training shapes, for novelty.")
+    ] = None,
     identity: OptionsText = "{}",
     options: OptionsText = "{}",
     threads: Threads = 1,
 ) -> None:
-    """Measure a model's samples: Chamfer, variety, FID, KID, faces, manifold edges, each with an interval.
+    """Measure a model's samples: Chamfer, variety, FID, coverage, overlap and more, each with an interval.
 
     Example: `tetgan metrics samples chairs.zip metrics.json --clouds chair.npz --extractor extractor`
     """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
     from tetgan.evaluation.evaluate import evaluate_model
     from tetgan.evaluation.options import EvaluationOptions
 
@@ -332,6 +336,7 @@ def metrics(
         options=_options(EvaluationOptions, options, "--options"),
         identity=_plain(identity, "--identity"),
         out=out,
+        catalogue=catalogue,
         threads=threads,
     )
 
@@ -352,6 +357,7 @@ def floor(
     Example: `tetgan floor chairs.zip real.json --category chair --catalogue catalogue.csv --clouds chair.npz
     --extractor extractor`
     """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
     from tetgan.evaluation.evaluate import evaluate_real
     from tetgan.evaluation.options import EvaluationOptions
 
@@ -364,6 +370,46 @@ def floor(
         options=_options(EvaluationOptions, options, "--options"),
         category=category,
         out=out,
+        threads=threads,
+    )
+
+
+@app.command()
+def evaluate(
+    samples: Annotated[Path, typer.Argument(help="Folder of generated meshes, from any system.")],
+    reference: Annotated[Path, typer.Argument(help="Folder of the real meshes they should be like.")],
+    out: Annotated[Path, typer.Option(help="Report (.json) to write; a .md twin stands beside it.")],
+    extractor: Annotated[
+        Path | None, typer.Option(help="Folder of a trained classifier, for FID and its kin.")
+    ] = None,
+    reconstructions: Annotated[
+        Path | None, typer.Option(help="Folder of meshes named as those of REFERENCE that they should be.")
+    ] = None,
+    training: Annotated[
+        Path | None, typer.Option(help="Folder of what the generator learned from, for novelty.")
+    ] = None,
+    normalise: Annotated[bool, typer.Option(help="Fit every mesh to the unit cube first.")] = False,
+    options: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Measure any two folders of meshes (.obj .off .ply .stl .glb) against each other, with floors.
+
+    Example: `tetgan evaluate my/samples my/chairs --out report.json --extractor results/extractor`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.evaluation.folders import evaluate_folders
+    from tetgan.evaluation.options import EvaluationOptions
+
+    _use_threads(threads)
+    evaluate_folders(
+        samples,
+        reference,
+        options=_options(EvaluationOptions, options, "--options"),
+        out=out,
+        extractor=extractor,
+        reconstructions=reconstructions,
+        training=training,
+        fit=normalise,
         threads=threads,
     )
 
@@ -395,7 +441,7 @@ def supplement(
 
     Example: `tetgan supplement results/metrics/*/*/*/paper.json fid.csv --figure fid --paper paper.csv`
     """
-    from tetgan.evaluation.supplement import write_supplement
+    from tetgan.evaluation.gathered.supplement import write_supplement
 
     write_supplement(metrics, paper, figure, out)
 
@@ -406,7 +452,7 @@ def manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
 
     Example: `tetgan manifold results/metrics/*/*/*/paper.json manifold.csv --paper paper.csv`
     """
-    from tetgan.evaluation.manifold import write_manifold
+    from tetgan.evaluation.gathered.manifold import write_manifold
 
     write_manifold(metrics, paper, out)
 
@@ -421,7 +467,7 @@ def dataset(
 
     Example: `tetgan dataset results/data/*/catalogue.csv dataset.csv --paper paper.csv`
     """
-    from tetgan.evaluation.dataset import write_dataset
+    from tetgan.evaluation.gathered.dataset import write_dataset
 
     write_dataset(catalogues, paper, out)
 
@@ -438,7 +484,7 @@ def runtime(
 
     Example: `tetgan runtime results/metrics/*/*/*/paper.json runtime.csv --results results --paper paper.csv`
     """
-    from tetgan.evaluation.runtime import write_runtime
+    from tetgan.evaluation.gathered.runtime import write_runtime
 
     write_runtime(metrics, results, paper, shards, out)
 

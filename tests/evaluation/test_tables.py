@@ -29,6 +29,8 @@ def report(model: str, seed: int = 0, tets: int = 9216, digest: str = "abc", **m
         "fscore_threshold": 0.01,
         "samples": 4,
         "variety": {"definition": "text", "pairs": 250, "closest": 25, "repeats": 5},
+        "volume_points": 20000,
+        "sets": {"shapes": 4, "points": 512},
         "bootstrap": {"level": 0.95},
     }
     extractor = {"digest": digest, "accuracy": 0.971, "categories": ["chair", "car"]}
@@ -102,6 +104,14 @@ def test_one_seed_keeps_its_own_deviation_and_interval(tmp_path):
     row = table.iloc[0]
     assert [row[f"variety{part}"] for part in ("", "_std", "_low", "_high")] == ["0.5", "0.1", "0.4", "0.6"]
     assert (row["seeds"], row["n"], row["tets"]) == ("1", "4", "9216")
+
+
+def test_every_metric_has_its_place_in_the_readable_table(tmp_path):
+    metrics = {name: (round(0.1 + 0.01 * i, 3),) for i, name in enumerate(METRICS)}
+    _, text = make_table(tmp_path, [report("tetgan-LR", **metrics)])
+    for name, (value,) in metrics.items():
+        assert f"| {value}" in text, name
+    assert "MMD, COV and 1-NNA: 4 shapes on each side, Chamfer distance of 512 points a shape" in text
 
 
 def test_several_seeds_give_their_mean_and_deviation(tmp_path):

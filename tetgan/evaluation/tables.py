@@ -26,6 +26,15 @@ METRICS = (
     "chamfer_l1",
     "fscore",
     "normal_consistency",
+    "volume_iou",
+    "mmd",
+    "cov",
+    "nna",
+    "jsd",
+    "novelty",
+    "fid_infinity",
+    "precision",
+    "recall",
 )
 """In the order of the columns: the paper's Table 1 first."""
 
