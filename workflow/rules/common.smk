@@ -20,6 +20,17 @@ RESULTS = f"results/{config['run']}" if config["run"] else "results"
 SHOWN_MODELS = [
     name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
+FIGURE_MODELS = SETTINGS.figures.models or SHOWN_MODELS
+LOGGED_MODELS = [
+    name
+    for name in SETTINGS.table_models
+    if SETTINGS.models[name].kind not in ("representation", "pca", "simplified")
+]
+
+# Those of the ablation that are trained: some take over the weights of another and mesh differently.
+ABLATED_MODELS = [
+    name for name in config["ablation"] if SETTINGS.trained_as(name) == name
+]
 
 # Every table and figure of the target `paper`: each file of rules adds its own.
 PAPER_TARGETS = []
@@ -124,7 +135,11 @@ def training_inputs(wildcards):
 
 def standing_on(wildcards, input):
     """Option that names the model under another one."""
-    return f"--of {shlex.quote(str(Path(input.of).parent))}" if "of" in input.keys() else ""
+    return (
+        f"--of {shlex.quote(str(Path(input.of).parent))}"
+        if "of" in input.keys()
+        else ""
+    )
 
 
 def shard_numbers():
