@@ -69,6 +69,14 @@ def _options(kind: Any, text: str, name: str) -> Any:
     return parse_options(kind, _plain(text, name), name)
 
 
+def _ids(text: str, count: int, name: str) -> Any:
+    """Ids of shapes, joined by colons: an id has none."""
+    ids = tuple(text.split(":"))
+    if len(ids) != count or not all(ids):
+        raise UserError(f"{name}: '{text}' is not {count} ids joined by colons")
+    return ids
+
+
 def _use_threads(count: int) -> None:
     import torch
 
@@ -303,6 +311,87 @@ def simplify(
 
     with whole_folder(folder) as partial:
         simplify_samples(samples, partial, SimplifyOptions(faces=faces))
+
+
+@app.command()
+def interpolate(
+    model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
+    pair: Annotated[list[str] | None, typer.Option(help="Ids of two shapes, A:B; may be repeated.")] = None,
+    options: OptionsText = "{}",
+    meshing: OptionsText = "{}",
+) -> None:
+    """Mesh the shapes between two shapes; without `--pair`, between random validation shapes.
+
+    Writes a folder a pair with a surface (.ply) and a solid (.vtu) a step, and `steps.csv`.
+
+    Example: `tetgan interpolate results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json between
+    --pair chair-0003:chair-0017 --options '{steps: 9}'`
+    """
+    from tetgan.files import whole_folder
+    from tetgan.meshing.options import MeshingOptions
+    from tetgan.studies.figure_options import LatentOptions
+    from tetgan.studies.interpolation import write_interpolations
+
+    chosen = _options(LatentOptions, options, "--options")
+    shape = _options(MeshingOptions, meshing, "--meshing")
+    pairs = [_ids(text, 2, "--pair") for text in pair or []]
+    with whole_folder(folder) as partial:
+        write_interpolations(model, index, partial, options=chosen, meshing=shape, pairs=pairs)
+
+
+@app.command()
+def arithmetic(
+    model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
+    triple: Annotated[
+        list[str] | None, typer.Option(help="Ids of three shapes, A:B:C; may be repeated.")
+    ] = None,
+    options: OptionsText = "{}",
+    meshing: OptionsText = "{}",
+) -> None:
+    """Put the part that A has and B has not onto C; without `--triple`, on validation shapes chosen by rule.
+
+    Writes a folder a triple with surfaces (.ply) and solids (.vtu) of A, B, C and D = A - B + C, the faces
+    that changed (`changes.npz`), and `triples.csv`.
+
+    Example: `tetgan arithmetic results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json sums
+    --triple chair-0003:chair-0017:chair-0021`
+    """
+    from tetgan.files import whole_folder
+    from tetgan.meshing.options import MeshingOptions
+    from tetgan.studies.arithmetic import write_arithmetic
+    from tetgan.studies.figure_options import LatentOptions
+
+    chosen = _options(LatentOptions, options, "--options")
+    shape = _options(MeshingOptions, meshing, "--meshing")
+    triples = [_ids(text, 3, "--triple") for text in triple or []]
+    with whole_folder(folder) as partial:
+        write_arithmetic(model, index, partial, options=chosen, meshing=shape, triples=triples)
+
+
+@app.command()
+def nearest(
+    meshes: Annotated[list[Path], typer.Argument(help="Zips of repaired meshes.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write.")],
+    catalogue: Annotated[Path, typer.Option(help="Catalogue that holds the split.")],
+    samples: Annotated[
+        Path | None, typer.Option(help="Folder of meshes, or one written by `tetgan sample`.")
+    ] = None,
+    options: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Find the training shape nearest to every sample; without `--samples`, to every validation shape.
+
+    Example: `tetgan nearest chairs.zip nearest.csv --catalogue catalogue.csv --samples samples`
+    """
+    from tetgan.studies.figure_options import NearestOptions
+    from tetgan.studies.nearest import write_nearest
+
+    chosen = _options(NearestOptions, options, "--options")
+    write_nearest(meshes, catalogue, out, samples=samples, options=chosen, threads=threads)
 
 
 @app.command()

@@ -36,6 +36,18 @@ def one_of(names):
     return "|".join(names) or "(?!)"
 
 
+FIGURE_MODELS = SETTINGS.figures.models or SHOWN_MODELS
+LOGGED_MODELS = [
+    name
+    for name in SETTINGS.table_models
+    if SETTINGS.models[name].kind not in ("representation", "pca", "simplified")
+]
+
+# Those of the ablation that are trained: some take over the weights of another and mesh differently.
+ABLATED_MODELS = [
+    name for name in config["ablation"] if SETTINGS.trained_as(name) == name
+]
+
 # Every table and figure of the target `paper`: each file of rules adds its own.
 PAPER_TARGETS = []
 
