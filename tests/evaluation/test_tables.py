@@ -179,6 +179,27 @@ def test_supplement_belongs_to_the_grid_it_names():
     assert published(figures, "car", "tetgan-LR", "LR", "none") == {}
 
 
+def test_baselines_stand_beside_their_own_figures():
+    figures = read_paper(PAPER)
+    assert published(figures, "chair", "occnet", "", "none")["faces"] == "86901"
+    assert published(figures, "chair", "occnet-simplified", "", "none")["chamfer"] == "0.019"
+    assert "chamfer" not in published(figures, "chair", "shapegan-gan", "", "none")
+    assert published(figures, "chair", "shapegan-gan-simplified", "", "none")["fid"] == "3.87"
+    assert published(figures, "vase", "shapegan-vae", "", "none")["fid"] == "20.51"
+    assert published(figures, "vase", "shapegan-vae-simplified", "", "none") == {}
+
+
+def test_a_model_that_is_never_smoothed_has_no_smoothing(tmp_path):
+    occnet = report("occnet", variety=(0.5,)) | {"grid": "", "tets": None, "simplified": True}
+    del occnet["smoothings"]["wls"]
+    table, _ = make_table(tmp_path, [report("tetgan-LR"), occnet])
+    rows = table.set_index("model")
+    assert list(rows.loc["tetgan-LR", "smoothing"]) == ["none", "wls"]
+    row = rows.loc["occnet"]
+    assert (row["smoothing"], row["grid"], row["tets"], row["simplified"]) == ("", "", "", "True")
+    assert row["variety_paper"] == "0.0041"
+
+
 def test_other_columns_are_not_the_papers_figures(tmp_path):
     (tmp_path / "bad.csv").write_text("model,value\na,1\n")
     with pytest.raises(UserError, match="expected the columns"):

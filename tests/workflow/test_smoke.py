@@ -20,6 +20,10 @@ def test_the_smoke_run_ends_with_a_whole_table(smoked):
         assert (model, "wls") in rows
     for model in ("representation-LR", "representation-HR", "pca-16", "real"):
         assert model in set(table["model"])
+    for model, simplified in (("occnet", False), ("shapegan-vae", False), ("shapegan-gan-simplified", True)):
+        row = table[table["model"] == model]
+        assert (len(row), row["simplified"].item()) == (1, simplified)
+        assert row["smoothing"].isna().item()
     measured = table[table["model"].str.startswith("representation")]
     assert measured[["chamfer", "faces", "manifold_edges", "iou"]].notna().all(axis=None)
     assert (measured["iou"] == 1).all()

@@ -19,7 +19,7 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.originals import read_splits, repaired_meshes, training_cloud, training_clouds
 from tetgan.evaluation.pairwise import resampled_chamfer
 from tetgan.evaluation.reconstructions import Reconstruction, draw_truth, measure_reconstruction
-from tetgan.evaluation.samples import SampleFolder
+from tetgan.evaluation.samples import SOLID_METRICS, SampleFolder
 from tetgan.evaluation.sections import RealFeatures, RealSet, Section, draw_clouds, draw_real, draw_real_set
 from tetgan.evaluation.seeds import choose, named_seed
 from tetgan.evaluation.surfaces import Surface, Topology, draw_sample, measure_topology
@@ -164,8 +164,8 @@ def _about(samples: Path) -> dict[str, Any]:
 def _measure_smoothing(
     folder: SampleFolder, reconstructions: Sequence[Reconstruction], yardstick: _Yardstick
 ) -> Section:
-    """Faces are those of reconstructions, edges and tets those of generated shapes; where a model has only
-    the one kind, all are of that kind."""
+    """Faces are those of reconstructions, edges, tets and solids those of generated shapes; where a model has
+    only the one kind, all are of that kind."""
     options = yardstick.options
     generated = _read_generated(folder)
     section = Section(options)
@@ -180,6 +180,9 @@ def _measure_smoothing(
             "inverted_tets": inverted if len(inverted) else folder.inverted_shares("reconstructed"),
         }
     )
+    for column in SOLID_METRICS:
+        made = folder.of_solids("generated", column)
+        section.add_means({column: made if len(made) else folder.of_solids("reconstructed", column)})
     section.add_variety(_samples_for_variety(generated, options), yardstick.threads)
     clouds = _generated_clouds(generated, yardstick.holdout.points, options)
     section.add_feature_distances(_generated_features(clouds, yardstick), len(generated), yardstick.holdout)

@@ -62,7 +62,7 @@ def render_table(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], cate
         *_groups(table, names),
         "## How each row was made",
         markdown_table(names | {title: table[column].map(plain) for column, title in _MADE.items()}),
-        notes=_notes(table, reports),
+        notes=table_notes(table, reports),
     )
 
 
@@ -75,7 +75,8 @@ def _groups(table: pd.DataFrame, names: Mapping[str, pd.Series]) -> Iterator[str
         )
 
 
-def _notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
+def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Conventions, extractor, floor, and what is amiss in some rows."""
     return [
         *_conventions(reports[0]["options"]),
         *extractor_notes(reports),

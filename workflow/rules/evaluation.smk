@@ -7,7 +7,7 @@ model, seed and mode; one table a category, as CSV and as Markdown.
 # Behind the rows of a category's table, which stays a wildcard.
 MODEL_METRICS = expand(
     "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
-    model=config["models"],
+    model=SETTINGS.table_models,
     seed=config["seeds"],
     mode="paper",
 )
