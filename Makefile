@@ -7,7 +7,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup chair smoke test lint format schema lock clean
+.PHONY: help setup chair paper smoke test lint format schema lock clean
 
 help:  ## List the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-8s %s\n", $$1, $$2}'
@@ -24,6 +24,9 @@ $(VENV)/installed: requirements.lock pyproject.toml
 
 chair: setup  ## The main job: raw meshes in, results/tables/chair.csv out
 	$(BIN)/snakemake --cores $(CORES) results/tables/chair.csv results/figures/chair/samples.png
+
+paper: setup  ## Every table and figure that a config holds: make paper CONFIG=config/overnight.yaml
+	$(BIN)/snakemake --cores $(CORES) $(if $(CONFIG),--configfile=$(CONFIG)) paper
 
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
 	$(BIN)/snakemake --cores $(CORES) --configfile=config/smoke.yaml results/smoke/tables/chair.csv

@@ -27,6 +27,9 @@ OptionsText = Annotated[str, typer.Option(help="Options as JSON, or the path of 
 Category = Annotated[str, typer.Option(help="Category, such as chair.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of every random choice.")]
 Threads = Annotated[int, typer.Option(min=1, help="Processor cores to use.")]
+Metrics = Annotated[list[Path], typer.Argument(help="Metrics (.json) of models and of real shapes.")]
+TableOut = Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")]
+Paper = Annotated[Path, typer.Option(help="The paper's published figures (.csv).")]
 Margin = Annotated[float, typer.Option(min=0, max=0.49, help="Empty share of the cube on either side.")]
 
 
@@ -64,6 +67,14 @@ def _plain(text: str, name: str) -> dict[str, Any]:
 
 def _options(kind: Any, text: str, name: str) -> Any:
     return parse_options(kind, _plain(text, name), name)
+
+
+def _ids(text: str, count: int, name: str) -> Any:
+    """Ids of shapes, joined by colons: an id has none."""
+    ids = tuple(text.split(":"))
+    if len(ids) != count or not all(ids):
+        raise UserError(f"{name}: '{text}' is not {count} ids joined by colons")
+    return ids
 
 
 def _use_threads(count: int) -> None:
@@ -167,47 +178,72 @@ def fields(
 
 
 @app.command()
+def samplings(
+    meshes: Annotated[Path, typer.Argument(help="Zip written by `tetgan repair`.")],
+    out: Annotated[Path, typer.Argument(help="Points or voxels (.zarr.zip) to write.")],
+    sampling: OptionsText,
+    threads: Threads = 1,
+) -> None:
+    """Sample every mesh at random points (occupancy) or on voxels (signed distance), for the baselines.
+
+    Example: `tetgan samplings chairs.zip points.zarr.zip --sampling '{kind: points, count: 30000}'`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.fields.options import ShapeSampling
+    from tetgan.fields.samplings import sample_shard
+
+    sample_shard(meshes, out, _options(ShapeSampling, sampling, "--sampling"))
+
+
+@app.command()
 def index(
-    shards: Annotated[list[Path], typer.Argument(help="Field stores written by `tetgan fields`.")],
+    shards: Annotated[list[Path], typer.Argument(help="Written by `tetgan fields` or `tetgan samplings`.")],
     out: Annotated[Path, typer.Argument(help="Index (.json) to write.")],
     catalogue: Annotated[Path, typer.Option(help="Catalogue that holds the split.")],
-    grid: OptionsText,
+    grid: OptionsText = "",
+    sampling: OptionsText = "",
 ) -> None:
-    """Open several field stores as one data set.
+    """Open several shards as one data set: of fields (--grid) or of points or voxels (--sampling).
 
     Example: `tetgan index chairs.zarr.zip index.json --catalogue catalogue.csv --grid '{cells: 2, depth: 2}'`
     """
+    from tetgan.fields.options import ShapeSampling
+    from tetgan.fields.samplings import index_samplings
     from tetgan.fields.store import index_fields
     from tetgan.grids.options import GridOptions
 
-    index_fields(shards, catalogue, _options(GridOptions, grid, "--grid"), out)
+    if bool(grid) == bool(sampling):
+        raise UserError("index: give --grid for fields, or --sampling for points and voxels")
+    if grid:
+        index_fields(shards, catalogue, _options(GridOptions, grid, "--grid"), out)
+    else:
+        index_samplings(shards, catalogue, _options(ShapeSampling, sampling, "--sampling"), out)
 
 
 @app.command()
 def train(
-    index: Annotated[Path, typer.Argument(help="Index written by `tetgan index`.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields, or of a baseline's points or voxels.")],
     folder: Annotated[Path, typer.Argument(help="Folder of the trained model; training resumes in it.")],
     model: OptionsText,
     training: OptionsText = "{}",
     seed: Seed = 0,
     threads: Threads = 2,
+    of: Annotated[
+        Path | None, typer.Option(help="Folder of the trained TetGAN that a `deftet` stands on.")
+    ] = None,
 ) -> None:
-    """Train a model on the fields of one category; run again, it goes on where it was stopped.
+    """Train a model on the shapes of one category; run again, it goes on where it was stopped.
 
     Example: `tetgan train index.json model --model '{kind: tetgan, grid: LR, width: 16, code: 32}'`
     """
     from tetgan.models.options import ModelOptions
-    from tetgan.training.options import TrainingOptions
+    from tetgan.training.kinds import training_class
     from tetgan.training.trainer import train_model
 
     _use_threads(threads)
-    train_model(
-        index,
-        _options(ModelOptions, model, "--model"),
-        _options(TrainingOptions, training, "--training"),
-        seed,
-        folder,
-    )
+    chosen = _options(ModelOptions, model, "--model")
+    options = _options(training_class(chosen), training, "--training")
+    train_model(index, chosen, options, seed, folder, of=of)
 
 
 @app.command()
@@ -233,17 +269,19 @@ def extractor(
 @app.command()
 def sample(
     model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
-    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields, points or voxels it was trained on.")],
     folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
     count: Annotated[int, typer.Option(min=1, help="Shapes to generate.")] = 16,
     mode: Annotated[str, typer.Option(help="How solids are built.")] = "paper",
     options: OptionsText = "{}",
     seed: Seed = 0,
+    threads: Threads = 1,
 ) -> None:
-    """Generate solid meshes, and reconstruct the validation shapes.
+    """Generate meshes, and reconstruct the validation shapes.
 
     Writes `none/` and `wls/` (without and with smoothing), each with `generated/` and `reconstructed/`
-    surfaces (.ply) and solids (.vtu), and `certificate.csv` with the quality of every mesh.
+    surfaces (.ply) and solids (.vtu), and `certificate.csv` with the quality of every mesh. Models of
+    implicit surfaces have neither solids nor smoothing, and a GAN reconstructs nothing.
 
     Example: `tetgan sample results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json chairs`
     """
@@ -252,8 +290,108 @@ def sample(
     from tetgan.models.samples import write_samples
 
     chosen = MeshingOptions.parse(_plain(options, "--options") | {"mode": mode}, "sample")
+    _use_threads(threads)
     with whole_folder(folder) as partial:
         write_samples(model, index, partial, count=count, options=chosen, seed=seed)
+
+
+@app.command()
+def simplify(
+    samples: Annotated[Path, typer.Argument(help="Folder written by `tetgan sample`.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of simplified meshes to write.")],
+    faces: Annotated[int, typer.Option(min=4, help="Most faces of a mesh.")] = 5500,
+) -> None:
+    """Take faces away from a model's samples by quadric edge collapse.
+
+    Example: `tetgan simplify chairs chairs-simplified --faces 5500`
+    """
+    from tetgan.files import whole_folder
+    from tetgan.meshing.simplify import simplify_samples
+    from tetgan.shapes.options import SimplifyOptions
+
+    with whole_folder(folder) as partial:
+        simplify_samples(samples, partial, SimplifyOptions(faces=faces))
+
+
+@app.command()
+def interpolate(
+    model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
+    pair: Annotated[list[str] | None, typer.Option(help="Ids of two shapes, A:B; may be repeated.")] = None,
+    options: OptionsText = "{}",
+    meshing: OptionsText = "{}",
+) -> None:
+    """Mesh the shapes between two shapes; without `--pair`, between random validation shapes.
+
+    Writes a folder a pair with a surface (.ply) and a solid (.vtu) a step, and `steps.csv`.
+
+    Example: `tetgan interpolate results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json between
+    --pair chair-0003:chair-0017 --options '{steps: 9}'`
+    """
+    from tetgan.files import whole_folder
+    from tetgan.meshing.options import MeshingOptions
+    from tetgan.studies.figure_options import LatentOptions
+    from tetgan.studies.interpolation import write_interpolations
+
+    chosen = _options(LatentOptions, options, "--options")
+    shape = _options(MeshingOptions, meshing, "--meshing")
+    pairs = [_ids(text, 2, "--pair") for text in pair or []]
+    with whole_folder(folder) as partial:
+        write_interpolations(model, index, partial, options=chosen, meshing=shape, pairs=pairs)
+
+
+@app.command()
+def arithmetic(
+    model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
+    triple: Annotated[
+        list[str] | None, typer.Option(help="Ids of three shapes, A:B:C; may be repeated.")
+    ] = None,
+    options: OptionsText = "{}",
+    meshing: OptionsText = "{}",
+) -> None:
+    """Put the part that A has and B has not onto C; without `--triple`, on validation shapes chosen by rule.
+
+    Writes a folder a triple with surfaces (.ply) and solids (.vtu) of A, B, C and D = A - B + C, the faces
+    that changed (`changes.npz`), and `triples.csv`.
+
+    Example: `tetgan arithmetic results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json sums
+    --triple chair-0003:chair-0017:chair-0021`
+    """
+    from tetgan.files import whole_folder
+    from tetgan.meshing.options import MeshingOptions
+    from tetgan.studies.arithmetic import write_arithmetic
+    from tetgan.studies.figure_options import LatentOptions
+
+    chosen = _options(LatentOptions, options, "--options")
+    shape = _options(MeshingOptions, meshing, "--meshing")
+    triples = [_ids(text, 3, "--triple") for text in triple or []]
+    with whole_folder(folder) as partial:
+        write_arithmetic(model, index, partial, options=chosen, meshing=shape, triples=triples)
+
+
+@app.command()
+def nearest(
+    meshes: Annotated[list[Path], typer.Argument(help="Zips of repaired meshes.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write.")],
+    catalogue: Annotated[Path, typer.Option(help="Catalogue that holds the split.")],
+    samples: Annotated[
+        Path | None, typer.Option(help="Folder of meshes, or one written by `tetgan sample`.")
+    ] = None,
+    options: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Find the training shape nearest to every sample; without `--samples`, to every validation shape.
+
+    Example: `tetgan nearest chairs.zip nearest.csv --catalogue catalogue.csv --samples samples`
+    """
+    from tetgan.studies.figure_options import NearestOptions
+    from tetgan.studies.nearest import write_nearest
+
+    chosen = _options(NearestOptions, options, "--options")
+    write_nearest(meshes, catalogue, out, samples=samples, options=chosen, threads=threads)
 
 
 @app.command()
@@ -263,14 +401,18 @@ def metrics(
     out: Annotated[Path, typer.Argument(help="Metrics (.json) to write.")],
     clouds: Annotated[Path, typer.Option(help="Point clouds with the hold-out surfaces.")],
     extractor: Annotated[Path, typer.Option(help="Folder of the trained classifier.")],
+    catalogue: Annotated[
+        Path | None, typer.Option(help="Catalogue that tells the training shapes, for novelty.")
+    ] = None,
     identity: OptionsText = "{}",
     options: OptionsText = "{}",
     threads: Threads = 1,
 ) -> None:
-    """Measure a model's samples: Chamfer, variety, FID, KID, faces, manifold edges, each with an interval.
+    """Measure a model's samples: Chamfer, variety, FID, coverage, overlap and more, each with an interval.
 
     Example: `tetgan metrics samples chairs.zip metrics.json --clouds chair.npz --extractor extractor`
     """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
     from tetgan.evaluation.evaluate import evaluate_model
     from tetgan.evaluation.options import EvaluationOptions
 
@@ -283,6 +425,7 @@ def metrics(
         options=_options(EvaluationOptions, options, "--options"),
         identity=_plain(identity, "--identity"),
         out=out,
+        catalogue=catalogue,
         threads=threads,
     )
 
@@ -303,6 +446,7 @@ def floor(
     Example: `tetgan floor chairs.zip real.json --category chair --catalogue catalogue.csv --clouds chair.npz
     --extractor extractor`
     """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
     from tetgan.evaluation.evaluate import evaluate_real
     from tetgan.evaluation.options import EvaluationOptions
 
@@ -320,11 +464,51 @@ def floor(
 
 
 @app.command()
+def evaluate(
+    samples: Annotated[Path, typer.Argument(help="Folder of generated meshes, from any system.")],
+    reference: Annotated[Path, typer.Argument(help="Folder of the real meshes they should be like.")],
+    out: Annotated[Path, typer.Option(help="Report (.json) to write; a .md twin stands beside it.")],
+    extractor: Annotated[
+        Path | None, typer.Option(help="Folder of a trained classifier, for FID and its kin.")
+    ] = None,
+    reconstructions: Annotated[
+        Path | None, typer.Option(help="Folder of meshes named as those of REFERENCE that they should be.")
+    ] = None,
+    training: Annotated[
+        Path | None, typer.Option(help="Folder of what the generator learned from, for novelty.")
+    ] = None,
+    normalise: Annotated[bool, typer.Option(help="Fit every mesh to the unit cube first.")] = False,
+    options: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Measure any two folders of meshes (.obj .off .ply .stl .glb) against each other, with floors.
+
+    Example: `tetgan evaluate my/samples my/chairs --out report.json --extractor results/extractor`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.evaluation.folders import evaluate_folders
+    from tetgan.evaluation.options import EvaluationOptions
+
+    _use_threads(threads)
+    evaluate_folders(
+        samples,
+        reference,
+        options=_options(EvaluationOptions, options, "--options"),
+        out=out,
+        extractor=extractor,
+        reconstructions=reconstructions,
+        training=training,
+        fit=normalise,
+        threads=threads,
+    )
+
+
+@app.command()
 def table(
-    metrics: Annotated[list[Path], typer.Argument(help="Metrics of every model, seed and mode.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    metrics: Metrics,
+    out: TableOut,
     category: Category,
-    paper: Annotated[Path, typer.Option(help="The paper's published figures (.csv).")],
+    paper: Paper,
 ) -> None:
     """Set the metrics of a category beside the paper's figures.
 
@@ -333,3 +517,81 @@ def table(
     from tetgan.evaluation.tables import write_table
 
     write_table(metrics, paper, category, out)
+
+
+@app.command()
+def supplement(
+    metrics: Metrics,
+    out: TableOut,
+    figure: Annotated[str, typer.Option(help="fid, variety or reconstruction.")],
+    paper: Paper,
+) -> None:
+    """Set one figure of benches, sofas, tables and vases side by side, as the paper's supplement does.
+
+    Example: `tetgan supplement results/metrics/*/*/*/paper.json fid.csv --figure fid --paper paper.csv`
+    """
+    from tetgan.evaluation.gathered.supplement import write_supplement
+
+    write_supplement(metrics, paper, figure, out)
+
+
+@app.command()
+def manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
+    """Tell which share of edges is manifold, in ground truth and in generated shapes.
+
+    Example: `tetgan manifold results/metrics/*/*/*/paper.json manifold.csv --paper paper.csv`
+    """
+    from tetgan.evaluation.gathered.manifold import write_manifold
+
+    write_manifold(metrics, paper, out)
+
+
+@app.command()
+def dataset(
+    catalogues: Annotated[list[Path], typer.Argument(help="Catalogues: {category}/catalogue.csv.")],
+    out: TableOut,
+    paper: Paper,
+) -> None:
+    """Count the shapes of every category: listed, repaired, rejected and why, split, held out.
+
+    Example: `tetgan dataset results/data/*/catalogue.csv dataset.csv --paper paper.csv`
+    """
+    from tetgan.evaluation.gathered.dataset import write_dataset
+
+    write_dataset(catalogues, paper, out)
+
+
+@app.command()
+def runtime(
+    metrics: Metrics,
+    out: TableOut,
+    results: Annotated[Path, typer.Option(help="Folder with benchmarks/, data/ and clouds/.")],
+    paper: Paper,
+    shards: Annotated[int, typer.Option(min=1, help="Parts into which a category was cut.")] = 16,
+) -> None:
+    """Gather time and memory of every stage from Snakemake's benchmark files.
+
+    Example: `tetgan runtime results/metrics/*/*/*/paper.json runtime.csv --results results --paper paper.csv`
+    """
+    from tetgan.evaluation.gathered.runtime import write_runtime
+
+    write_runtime(metrics, results, paper, shards, out)
+
+
+@app.command()
+def ablation(
+    metrics: Metrics,
+    out: TableOut,
+    category: Category,
+    paper: Paper,
+    changes: Annotated[
+        str, typer.Option(help="How each model differs, by name; JSON, or the path of a YAML or JSON file.")
+    ] = "{}",
+) -> None:
+    """Set models that lack a part, or have another, beside the full one; rows keep the order of the files.
+
+    Example: `tetgan ablation full.json no-local.json ablation.csv --category chair --paper paper.csv`
+    """
+    from tetgan.evaluation.ablation import write_ablation
+
+    write_ablation(metrics, paper, category, out, _plain(changes, "--changes"))

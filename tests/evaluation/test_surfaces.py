@@ -1,30 +1,55 @@
 """Surfaces from files, and folders of samples."""
 
+import numpy as np
 import pandas as pd
 import pytest
 import trimesh
 
 from tetgan.errors import UserError
 from tetgan.evaluation.samples import SampleFolder
-from tetgan.evaluation.surfaces import draw_sample, manifold_edge_share, read_surface
+from tetgan.evaluation.surfaces import (
+    Topology,
+    draw_sample,
+    measure_topology,
+    read_surface,
+)
 
 
 def write_certificate(folder, rows):
     pd.DataFrame(rows).to_csv(folder / "certificate.csv", index=False)
 
 
-def test_a_closed_box_is_manifold_and_a_box_without_a_face_is_not():
-    faces = trimesh.creation.box().faces
-    assert manifold_edge_share(faces) == 1
-    # 18 edges; dropping one triangle leaves its three with a single face.
-    assert manifold_edge_share(faces[1:]) == pytest.approx(15 / 18)
-    # A triangle twice over another: its edges have three faces.
-    assert manifold_edge_share(trimesh.util.np.vstack([faces, faces[:1]])) == pytest.approx(15 / 18)
+TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+
+
+def test_edges_are_counted_by_their_faces():
+    box = np.asarray(trimesh.creation.box().faces)
+    # 12 triangles have 18 edges. Without one of them three edges have one face; with it twice, three.
+    assert measure_topology(box) == Topology(1, 0, 0, 1)
+    assert measure_topology(box[1:]) == pytest.approx((15 / 18, 3 / 18, 0, 0))
+    assert measure_topology(np.concatenate([box, box[:1]])) == pytest.approx((15 / 18, 0, 3 / 18, 0))
+
+
+def test_a_pinched_vertex_is_no_manifold_though_its_edges_are():
+    # Two tetrahedra that share vertex 0 and nothing else, and two that share nothing.
+    apart = TETRAHEDRON + 4
+    assert measure_topology(np.concatenate([TETRAHEDRON, apart])) == Topology(1, 0, 0, 1)
+    assert measure_topology(np.concatenate([TETRAHEDRON, np.where(apart == 4, 0, apart)])) == (1, 0, 0, 0)
+
+
+def test_two_tetrahedra_that_share_an_edge_have_four_faces_there():
+    other = np.array([0, 1, 4, 5])[TETRAHEDRON]
+    # 6 + 6 edges, one of them common.
+    assert measure_topology(np.concatenate([TETRAHEDRON, other])) == pytest.approx((10 / 11, 0, 1 / 11, 0))
+
+
+def test_vertices_without_faces_play_no_part():
+    assert measure_topology(TETRAHEDRON + 7) == Topology(1, 0, 0, 1)
 
 
 def test_no_faces_have_no_share():
     with pytest.raises(ValueError, match="no faces"):
-        manifold_edge_share(trimesh.creation.box().faces[:0])
+        measure_topology(trimesh.creation.box().faces[:0])
 
 
 def test_a_surface_is_read_exactly_as_stored(tmp_path):

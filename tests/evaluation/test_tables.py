@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.evaluation.paper import published, read_paper
+from tetgan.evaluation.paper import published, read_paper, stated
 from tetgan.evaluation.tables import IDENTITY, METRICS, write_table
 
 PAPER = Path(__file__).parents[2] / "workflow" / "resources" / "paper_tables.csv"
@@ -29,6 +29,8 @@ def report(model: str, seed: int = 0, tets: int = 9216, digest: str = "abc", **m
         "fscore_threshold": 0.01,
         "samples": 4,
         "variety": {"definition": "text", "pairs": 250, "closest": 25, "repeats": 5},
+        "volume_points": 20000,
+        "sets": {"shapes": 4, "points": 512},
         "bootstrap": {"level": 0.95},
     }
     extractor = {"digest": digest, "accuracy": 0.971, "categories": ["chair", "car"]}
@@ -104,6 +106,14 @@ def test_one_seed_keeps_its_own_deviation_and_interval(tmp_path):
     assert (row["seeds"], row["n"], row["tets"]) == ("1", "4", "9216")
 
 
+def test_every_metric_has_its_place_in_the_readable_table(tmp_path):
+    metrics = {name: (round(0.1 + 0.01 * i, 3),) for i, name in enumerate(METRICS)}
+    _, text = make_table(tmp_path, [report("tetgan-LR", **metrics)])
+    for name, (value,) in metrics.items():
+        assert f"| {value}" in text, name
+    assert "MMD, COV and 1-NNA: 4 shapes on each side, Chamfer distance of 512 points a shape" in text
+
+
 def test_several_seeds_give_their_mean_and_deviation(tmp_path):
     seeds = [
         report("tetgan-LR", seed, chamfer=(value, value - 1, value + 1, 9))
@@ -147,8 +157,17 @@ def test_metrics_of_another_category_are_refused(tmp_path):
 def test_published_figures_are_complete():
     figures = read_paper(PAPER)
     # Table 1: 10 models, 4 metrics. Supplement: 4 categories; FID and variety of 4 models, Chamfer of 3.
-    assert len(figures) == 10 * 4 + (4 + 4 + 3) * 4
+    tables = figures[figures["table"].isin(["Table 1", "Supplement FID", "Supplement variety"])]
+    assert len(tables) == 10 * 4 + (4 + 4) * 4
+    assert (figures["table"] == "Supplement reconstruction").sum() == 3 * 4
     assert not figures.duplicated(["category", "model", "metric"]).any()
+
+
+def test_the_running_text_is_quoted_where_it_says_something():
+    figures = read_paper(PAPER)
+    assert stated(figures, "table", "data set", "shapes") == "8436"
+    assert stated(figures, "chair", "generated", "manifold_edges") == "98.5%"
+    assert stated(figures, "chair", "generated", "fid") is None
 
 
 def test_supplement_belongs_to_the_grid_it_names():
@@ -158,6 +177,27 @@ def test_supplement_belongs_to_the_grid_it_names():
     assert published(figures, "vase", "tetgan-LR", "LR", "none") == {}
     assert published(figures, "sofa", "tetgan-LR", "LR", "wls")["chamfer"] == "0.0024"
     assert published(figures, "car", "tetgan-LR", "LR", "none") == {}
+
+
+def test_baselines_stand_beside_their_own_figures():
+    figures = read_paper(PAPER)
+    assert published(figures, "chair", "occnet", "", "none")["faces"] == "86901"
+    assert published(figures, "chair", "occnet-simplified", "", "none")["chamfer"] == "0.019"
+    assert "chamfer" not in published(figures, "chair", "shapegan-gan", "", "none")
+    assert published(figures, "chair", "shapegan-gan-simplified", "", "none")["fid"] == "3.87"
+    assert published(figures, "vase", "shapegan-vae", "", "none")["fid"] == "20.51"
+    assert published(figures, "vase", "shapegan-vae-simplified", "", "none") == {}
+
+
+def test_a_model_that_is_never_smoothed_has_no_smoothing(tmp_path):
+    occnet = report("occnet", variety=(0.5,)) | {"grid": "", "tets": None, "simplified": True}
+    del occnet["smoothings"]["wls"]
+    table, _ = make_table(tmp_path, [report("tetgan-LR"), occnet])
+    rows = table.set_index("model")
+    assert list(rows.loc["tetgan-LR", "smoothing"]) == ["none", "wls"]
+    row = rows.loc["occnet"]
+    assert (row["smoothing"], row["grid"], row["tets"], row["simplified"]) == ("", "", "", "True")
+    assert row["variety_paper"] == "0.0041"
 
 
 def test_other_columns_are_not_the_papers_figures(tmp_path):

@@ -55,7 +55,10 @@ def test_the_record_of_one_tet():
         "inverted_tets": 0,
         "min_dihedral": pytest.approx(54.7356, abs=1e-4),
         "volume": pytest.approx(1 / 6),
+        # Straight in from a face at a corner's right angles: its centroid lies 1/3 under the slanted face.
+        "thickness": pytest.approx(1 / 3, abs=1e-5),
         "components": 1,
+        "floating": 0.0,
         "manifold_edges": 1.0,
     }
 
@@ -66,6 +69,7 @@ def test_inverted_and_flat_tets_are_counted():
     record = quality_record(solid(vertices, np.arange(12).reshape(3, 4)))
     assert record["inverted_tets"] == 2
     assert record["components"] == 3
+    assert record["floating"] == pytest.approx(2 / 3)
     assert record["volume"] == pytest.approx(0, abs=1e-12)
     assert record["min_dihedral"] == 0
 
@@ -90,7 +94,9 @@ def test_counts_agree_with_naive_ones(seed, share, grid):
     if len(chosen) == 0:
         return
     record = quality_record(solid(grid.vertices, grid.tets[chosen]))
-    assert record["components"] == flood_count(set(chosen.tolist()), grid.neighbors)
+    sizes = flood_sizes(set(chosen.tolist()), grid.neighbors)
+    assert record["components"] == len(sizes)
+    assert record["floating"] == pytest.approx(1 - max(sizes) / len(chosen))
     faces = {}
     for face in boundary_faces(grid.tets[chosen]).tolist():
         for pair in zip(face, face[1:] + face[:1], strict=True):
@@ -99,14 +105,14 @@ def test_counts_agree_with_naive_ones(seed, share, grid):
     assert record["manifold_edges"] == pytest.approx(np.mean([count == 2 for count in faces.values()]))
 
 
-def flood_count(tets, neighbors):
-    count = 0
+def flood_sizes(tets, neighbors):
+    sizes = []
     while tets:
-        count += 1
-        front = [tets.pop()]
+        before, front = len(tets), [tets.pop()]
         while front:
             for other in neighbors[front.pop()].tolist():
                 if other in tets:
                     tets.remove(other)
                     front.append(other)
-    return count
+        sizes.append(before - len(tets))
+    return sizes

@@ -13,7 +13,7 @@ def project(tmp_path_factory):
 def smoked(project):
     """The project after a whole smoke run, with the default run's plan before and after it."""
     before = planned(project.snakemake("-n", "results/tables/chair.csv"))
-    result = project.smoke(*TARGETS)
+    result = project.smoke("paper", *TARGETS)
     assert result.returncode == 0, result.stdout + result.stderr
     after = planned(project.snakemake("-n", "results/tables/chair.csv"))
     return project, before, after

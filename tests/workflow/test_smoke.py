@@ -20,12 +20,47 @@ def test_the_smoke_run_ends_with_a_whole_table(smoked):
         assert (model, "wls") in rows
     for model in ("representation-LR", "representation-HR", "pca-16", "real"):
         assert model in set(table["model"])
+    for model, simplified in (("occnet", False), ("shapegan-vae", False), ("shapegan-gan-simplified", True)):
+        row = table[table["model"] == model]
+        assert (len(row), row["simplified"].item()) == (1, simplified)
+        assert row["smoothing"].isna().item()
     measured = table[table["model"].str.startswith("representation")]
     assert measured[["chamfer", "faces", "manifold_edges", "iou"]].notna().all(axis=None)
     assert (measured["iou"] == 1).all()
+    assert measured["volume_iou"].between(0.1, 1).all()
+    real = table[table["model"] == "real"]
+    sets = ["mmd", "cov", "nna", "jsd", "novelty", "fid_infinity", "precision", "recall", "volume_iou"]
+    assert real[sets].notna().all(axis=None)
     paper = table[(table["model"] == "tetgan-HR") & (table["smoothing"] == "none")]
     assert paper["fid_paper"].item() == pytest.approx(1.35)
     assert (project.folder / TARGETS[0]).with_suffix(".md").read_text().count("|") > 50
+
+
+def test_the_gathered_tables_hold_what_the_run_measured(smoked):
+    project, _, _ = smoked
+    names = ("fid", "variety", "reconstruction", "manifold", "dataset", "runtime")
+    folder = project.folder / "results/smoke/tables"
+    tables = {name: pd.read_csv(folder / f"{name}.csv") for name in names}
+    assert tables["fid"]["sofa"].isna().all()  # the smoke run has chairs alone
+    assert tables["fid"].set_index("model").loc["tetgan-LR", "sofa_paper"].tolist() == [3.35, 3.35]
+    shown = tables["manifold"][tables["manifold"]["shapes"] != "reconstructed"]
+    assert {"generated", "ground truth", "repaired"} == set(shown["shapes"])
+    assert shown[["manifold_edges", "boundary_edges", "nonmanifold_edges"]].sum(axis=1).round(9).eq(1).all()
+    chair = tables["dataset"].set_index("category").loc["chair"]
+    assert (chair["listed"], chair["holdout"], chair["listed_paper"]) == (36, 24, 6778)
+    runtime = tables["runtime"]
+    assert (runtime["jobs"].dropna() == runtime["jobs_measured"].dropna()).all()
+    assert (runtime.loc[runtime["stage"] != "preprocess", "seconds"] > 0).all()
+
+
+def test_a_missing_benchmark_runs_nothing_again(smoked):
+    project, _, _ = smoked
+    benchmark = project.folder / "results/smoke/benchmarks/train_extractor.tsv"
+    content = benchmark.read_bytes()
+    benchmark.unlink()
+    rerun = planned(project.smoke("-n", "paper"))
+    benchmark.write_bytes(content)
+    assert rerun == {}
 
 
 def test_the_picture_shows_something(smoked):
@@ -36,7 +71,7 @@ def test_the_picture_shows_something(smoked):
 
 def test_a_second_run_does_nothing(smoked):
     project, _, _ = smoked
-    assert planned(project.smoke("-n", *TARGETS)) == {}
+    assert planned(project.smoke("-n", "paper", *TARGETS)) == {}
 
 
 def test_the_smoke_run_leaves_the_default_run_alone(smoked):

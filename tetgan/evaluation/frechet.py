@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from tetgan.evaluation.intervals import Interval, recentered_interval, resample_indices
+from tetgan.evaluation.intervals import Interval, recentered_interval, resample_counts, resample_indices
 
 
 def fid(first: Float[np.ndarray, "N F"], second: Float[np.ndarray, "M F"]) -> float:
@@ -84,7 +84,7 @@ def kid_interval(
     kernels = _kernels(first, second)
     whole = kernels.discrepancies(np.ones((1, len(first))), np.ones((1, len(second))))
     values = kernels.discrepancies(
-        _resample_counts(len(first), resamples, rng), _resample_counts(len(second), resamples, rng)
+        resample_counts(len(first), resamples, rng), resample_counts(len(second), resamples, rng)
     )
     return recentered_interval(float(whole[0]), values, level)
 
@@ -129,10 +129,6 @@ def _mean_within(
 def _block_counts(size: int, block: int, blocks: int, rng: np.random.Generator) -> Float[np.ndarray, "R N"]:
     taken = np.tile(np.arange(size) < block, (blocks, 1))
     return rng.permuted(taken, axis=1).astype(np.float64)
-
-
-def _resample_counts(size: int, resamples: int, rng: np.random.Generator) -> Float[np.ndarray, "R N"]:
-    return rng.multinomial(size, np.full(size, 1 / size), size=resamples).astype(np.float64)
 
 
 def _covariance_root(features: Float[np.ndarray, "N F"]) -> Float[np.ndarray, "K F"]:

@@ -1,20 +1,40 @@
 """A table as people read it: rounded, in Markdown, with what must be known to read it right."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
+from tetgan.evaluation.jsd import CELLS
+from tetgan.evaluation.markdown import cell, markdown_table, page, plain, round_value, row_name
+
 _PAPERS = {"chamfer": "Chamfer ↓", "faces": "Faces", "fid": "FID ↓", "variety": "Variety ↑"}
 _OURS = {
-    "kid": "KID ↓",
-    "manifold_edges": "Manifold edges ↑",
-    "inverted_tets": "Inverted tets ↓",
-    "iou": "IoU ↑",
-    "chamfer_l1": "Chamfer L1 ↓",
-    "fscore": "F-score ↑",
-    "normal_consistency": "Normals ↑",
+    "Reconstructions": {
+        "chamfer_l1": "Chamfer L1 ↓",
+        "fscore": "F-score ↑",
+        "normal_consistency": "Normals ↑",
+        "iou": "Field IoU ↑",
+        "volume_iou": "Volume IoU ↑",
+    },
+    "Generated shapes beside hold-out shapes: features": {
+        "kid": "KID ↓",
+        "fid_infinity": "FID∞ ↓",
+        "precision": "Precision ↑",
+        "recall": "Recall ↑",
+    },
+    "Generated shapes beside hold-out shapes: distances": {
+        "mmd": "MMD ↓",
+        "cov": "COV ↑",
+        "nna": "1-NNA → ½",
+        "jsd": "JSD ↓",
+        "novelty": "Novelty",
+    },
+    "Meshes": {"manifold_edges": "Manifold edges ↑", "inverted_tets": "Inverted tets ↓"},
 }
+TITLES = _PAPERS | {metric: title for group in _OURS.values() for metric, title in group.items()}
+"""Heading of every metric; the arrow points to the better side."""
+
 _MADE = {
     "grid": "Grid",
     "tets": "Tets",
@@ -33,80 +53,81 @@ _ABOUT_PAPER = (
 
 def render_table(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], category: str) -> str:
     """Markdown of a table made by `build_table` from those reports."""
-    names = table.apply(_row_name, axis=1)
-    parts = [
-        f"# {category}",
+    names = {"Model": table.apply(row_name, axis=1)}
+    return page(
+        category,
         _ABOUT_PAPER,
-        _markdown(names, {title: table.apply(_cell, axis=1, metric=m) for m, title in _PAPERS.items()}),
+        markdown_table(names | {title: table.apply(cell, axis=1, metric=m) for m, title in _PAPERS.items()}),
         "## Beyond the paper",
-        _markdown(names, {title: table.apply(_cell, axis=1, metric=m) for m, title in _OURS.items()}),
+        *_groups(table, names),
         "## How each row was made",
-        _markdown(names, {title: table[column].map(_plain) for column, title in _MADE.items()}),
-        "## Notes",
-        "\n".join(f"- {note}" for note in _notes(table, reports)),
+        markdown_table(names | {title: table[column].map(plain) for column, title in _MADE.items()}),
+        notes=table_notes(table, reports),
+    )
+
+
+def _groups(table: pd.DataFrame, names: Mapping[str, pd.Series]) -> Iterator[str]:
+    """Heading and table of every group of our metrics."""
+    for heading, titles in _OURS.items():
+        yield f"### {heading}"
+        yield markdown_table(
+            {**names, **{title: table.apply(cell, axis=1, metric=m) for m, title in titles.items()}}
+        )
+
+
+def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Conventions, extractor, floor, and what is amiss in some rows."""
+    return [
+        *_conventions(reports[0]["options"]),
+        *extractor_notes(reports),
+        *_floor(table),
+        *_warnings(reports),
     ]
-    return "\n\n".join(parts) + "\n"
-
-
-def _markdown(names: pd.Series, columns: Mapping[str, pd.Series]) -> str:
-    frame = pd.DataFrame({"Model": names, **columns})
-    return frame.to_markdown(index=False, disable_numparse=True)
-
-
-def _row_name(row: pd.Series) -> str:
-    smoothing = {"wls": ", wLS", "none": ", no wLS"}.get(row["smoothing"], "")
-    return f"{row['model']}{smoothing}"
-
-
-def _cell(row: pd.Series, metric: str) -> str:
-    """Value ± deviation [interval] (paper)."""
-    value, std, low, high = (row[metric + part] for part in ("", "_std", "_low", "_high"))
-    paper = "" if pd.isna(row[f"{metric}_paper"]) else f" (paper {row[f'{metric}_paper']})"
-    if pd.isna(value):
-        return f"—{paper}"
-    deviation = "" if pd.isna(std) else f" ± {_round(std)}"
-    interval = "" if pd.isna(low) else f" [{_round(low)}, {_round(high)}]"
-    return f"{_round(value)}{deviation}{interval}{paper}"
-
-
-def _round(value: float) -> str:
-    """Three digits that count, never in exponents that a column of figures would hide."""
-    if abs(value) >= 1000:
-        return f"{value:.0f}"
-    return f"{value:.3g}" if abs(value) >= 1e-4 or value == 0 else f"{value:.1e}"
-
-
-def _plain(value: Any) -> str:
-    if pd.isna(value) or value == "":
-        return ""
-    return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
-    return [*_conventions(reports[0]["options"]), *_extractors(reports), *_floor(table), *_warnings(reports)]
 
 
 def _conventions(options: Mapping[str, Any]) -> list[str]:
     variety = options["variety"]
-    drawn = "random pairs" if variety["definition"] == "text" else "random shapes, all pairs"
     return [
         f"[…]: {100 * options['bootstrap']['level']:g} % intervals; ±: over seeds, or for one seed over "
         "repeats (variety) and blocks (KID). docs/metrics.md defines every metric.",
         f"Chamfer: mean squared nearest distance each way, summed, {options['points']:,} points a surface, "
         f"unit cube, against the repaired mesh. F-score at {options['fscore_threshold']:g} of the cube.",
-        f"Variety: mean Chamfer of the {variety['closest']} closest of {variety['pairs']} {drawn}, "
+        f"Variety: mean Chamfer of the {variety['closest']} closest of {variety['pairs']} {drawn(variety)}, "
         f"{variety['repeats']} repeats.",
-        f"FID and KID: {options['samples']} surfaces on each side, against hold-out surfaces.",
+        f"FID, KID, FID∞, precision and recall: {options['samples']} surfaces on each side, against hold-out "
+        "surfaces.",
+        *set_conventions(options),
     ]
 
 
-def _extractors(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+def drawn(variety: Mapping[str, Any]) -> str:
+    """Of what variety draws so many, in words."""
+    return "random pairs" if variety["definition"] == "text" else "random shapes, all pairs"
+
+
+def set_conventions(options: Mapping[str, Any]) -> list[str]:
+    """How sets of shapes were compared, from the options of a report."""
+    sets = options["sets"]
+    return [
+        f"MMD, COV and 1-NNA: {sets['shapes']} shapes on each side, Chamfer distance of {sets['points']} "
+        f"points a shape. JSD: points of the same shapes in {CELLS}³ cells, in bits. Novelty: mean Chamfer "
+        "distance to the nearest training shape, points as many; neither high nor low is good in itself.",
+        f"Volume IoU: {options['volume_points']:,} points in the box of both shapes, winding number above ½.",
+    ]
+
+
+def extractor_line(extractor: Mapping[str, Any]) -> str:
+    """What is known of the classifier behind the features, from a report."""
+    return (
+        f"Extractor {extractor['digest']}: PointNet++ on {', '.join(extractor['categories'])}; held-out "
+        f"accuracy {100 * extractor['accuracy']:.1f} %. Absolute FID and KID depend on it."
+    )
+
+
+def extractor_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Which classifier FID and KID rest on, and a warning where rows rest on several."""
     found = {report["extractor"]["digest"]: report["extractor"] for report in reports}
-    lines = [
-        f"Extractor {digest}: PointNet++ on {', '.join(extractor['categories'])}; "
-        f"held-out accuracy {100 * extractor['accuracy']:.1f} %. Absolute FID and KID depend on it."
-        for digest, extractor in found.items()
-    ]
+    lines = [extractor_line(extractor) for extractor in found.values()]
     if len(found) > 1:
         lines.append(
             "**Rows were measured with different extractors: their FID and KID cannot be compared.**"
@@ -119,14 +140,14 @@ def _floor(table: pd.DataFrame) -> list[str]:
     if real.empty:
         return []
     figures = ", ".join(
-        f"{title} {_round(value)}"
-        for metric, title in (("fid", "FID"), ("kid", "KID"), ("chamfer", "Chamfer"))
+        f"{title} {round_value(value)}"
+        for metric, title in (("fid", "FID"), ("kid", "KID"), ("chamfer", "Chamfer"), ("mmd", "MMD"))
         if not pd.isna(value := real.iloc[0][metric])
     )
     return [
-        f"Floor (row `real`): {figures or 'not measured'}. FID and KID compare real training surfaces with "
-        "real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice. Below it no model can "
-        "be told from a perfect one."
+        f"Floor (row `real`): {figures or 'not measured'}. Features and sets compare real training surfaces "
+        "with real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice; novelty is that of "
+        "hold-out surfaces. Below it no model can be told from a perfect one."
     ]
 
 

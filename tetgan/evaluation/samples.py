@@ -13,6 +13,9 @@ from tetgan.evaluation.surfaces import Surface, read_surface
 
 KINDS = ("generated", "reconstructed")
 
+SOLID_METRICS = ("volume", "thickness", "components", "floating")
+"""Columns of the certificate whose means over the shapes that are not empty are metrics of the same name."""
+
 
 @dataclass(frozen=True)
 class SampleFolder:
@@ -52,7 +55,12 @@ class SampleFolder:
         rows = self.certificate[self.certificate["set"] == kind].sort_values("id")
         return rows[column].dropna().to_numpy(dtype=np.float64)
 
+    def of_solids(self, kind: str, column: str) -> Float[np.ndarray, "N"]:
+        """The same of the shapes that are not empty."""
+        values, tets = self.certified(kind, column), self.certified(kind, "tets")
+        return values[tets > 0] if len(tets) == len(values) else np.empty(0)
+
     def inverted_shares(self, kind: str) -> Float[np.ndarray, "N"]:
         """Inverted share of the tets of every mesh that has tets."""
-        tets, inverted = self.certified(kind, "tets"), self.certified(kind, "inverted_tets")
-        return inverted[tets > 0] / tets[tets > 0] if len(tets) == len(inverted) else np.empty(0)
+        inverted = self.of_solids(kind, "inverted_tets")
+        return inverted / self.of_solids(kind, "tets") if len(inverted) else inverted

@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 
 from tetgan.errors import UserError
+from tetgan.evaluation.markdown import write_twins
 from tetgan.evaluation.paper import published, read_paper
 from tetgan.evaluation.readable import render_table
-from tetgan.files import whole_file
 
 METRICS = (
     "chamfer",
@@ -26,6 +26,15 @@ METRICS = (
     "chamfer_l1",
     "fscore",
     "normal_consistency",
+    "volume_iou",
+    "mmd",
+    "cov",
+    "nna",
+    "jsd",
+    "novelty",
+    "fid_infinity",
+    "precision",
+    "recall",
 )
 """In the order of the columns: the paper's Table 1 first."""
 
@@ -43,6 +52,9 @@ IDENTITY = (
     "extractor",
 )
 """First columns of a table."""
+
+METRIC_PARTS = ("", "_std", "_low", "_high", "_paper")
+"""Endings of the columns of a metric."""
 
 _SMOOTHING_ORDER = {"none": 0, "wls": 1}
 _ROW_ORDER = ("tetgan", "", "representation", "pca", "real")  # "": every other model
@@ -62,39 +74,63 @@ def write_table(metrics: Sequence[Path], paper: Path, category: str, out: Path) 
     Raises:
         UserError: no metrics, or metrics of another category.
     """
-    reports = [_read_report(path, category) for path in metrics]
-    if not reports:
-        raise UserError(f"{out}: no metrics to make a table of")
+    reports = read_reports(metrics, out)
+    for path, report in zip(metrics, reports, strict=True):
+        if report["category"] != category:
+            raise UserError(f"{path}: metrics of '{report['category']}', not of '{category}'")
     table = build_table(reports, read_paper(paper), category)
-    with whole_file(out) as partial:
-        table.to_csv(partial, index=False)
-    with whole_file(out.with_suffix(".md")) as partial:
-        partial.write_text(render_table(table, reports, category))
+    write_twins(table, render_table(table, reports, category), out)
 
 
 def build_table(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, category: str) -> pd.DataFrame:
     """Rows in the order of the paper, then the bounds: representation, PCA, real shapes."""
-    groups: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
-    for report in reports:
-        for smoothing in report["smoothings"]:
-            groups.setdefault((report["model"], report.get("mode", ""), smoothing), []).append(report)
     rows = [
-        _row(members, smoothing, published(paper, category, model, members[0].get("grid", ""), smoothing))
-        for (model, _, smoothing), members in sorted(groups.items(), key=_place)
+        _row(members, smoothing, printed_figures(paper, category, members, smoothing))
+        for smoothing, members in group_reports(reports)
     ]
     columns = [
         *IDENTITY,
-        *(f"{m}{part}" for m in METRICS for part in ("", "_std", "_low", "_high", "_paper")),
+        *(f"{m}{part}" for m in METRICS for part in METRIC_PARTS),
     ]
     table = pd.DataFrame(rows, columns=columns)
     return table.astype(dict.fromkeys(("tets", "seeds", "n"), "Int64"))
 
 
-def _read_report(path: Path, category: str) -> dict[str, Any]:
-    report = json.loads(path.read_text())
-    if report.get("category", category) != category:
-        raise UserError(f"{path}: metrics of '{report['category']}', not of '{category}'")
-    return report
+def group_reports(reports: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[Mapping[str, Any]]]]:
+    """The smoothing and the reports behind each row, in the order of a table's rows."""
+    groups: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
+    for report in reports:
+        for smoothing in report["smoothings"]:
+            groups.setdefault((report["model"], report.get("mode", ""), smoothing), []).append(report)
+    return [(smoothing, members) for (_, _, smoothing), members in sorted(groups.items(), key=_place)]
+
+
+def printed_figures(
+    paper: pd.DataFrame, category: str, members: Sequence[Mapping[str, Any]], smoothing: str
+) -> dict[str, str]:
+    """Metric to the paper's figure, for the row of these reports."""
+    first = members[0]
+    return published(paper, category, first["model"], first.get("grid", ""), smoothing)
+
+
+def read_reports(paths: Sequence[Path], out: Path) -> list[dict[str, Any]]:
+    """Metrics as the evaluation wrote them.
+
+    Raises:
+        UserError: none to make the table `out` of, or a file that holds something else.
+    """
+    if not paths:
+        raise UserError(f"{out}: no metrics to make a table of")
+    reports = []
+    for path in paths:
+        try:
+            report = json.loads(path.read_text())
+            if not {"category", "model", "smoothings"} <= report.keys():
+                raise ValueError("a key is missing")
+        except (ValueError, AttributeError) as error:
+            raise UserError(f"{path}: not metrics of `tetgan metrics` or `tetgan floor` ({error})") from None
+        reports.append(report)
+    return reports
 
 
 def _place(group: tuple[tuple[str, str, str], Sequence[Mapping[str, Any]]]) -> tuple[Any, ...]:
@@ -106,36 +142,56 @@ def _place(group: tuple[tuple[str, str, str], Sequence[Mapping[str, Any]]]) -> t
 
 
 def _row(members: Sequence[Mapping[str, Any]], smoothing: str, paper: Mapping[str, str]) -> dict[str, Any]:
+    row = identity_cells(members, smoothing)
+    for metric in METRICS:
+        row |= metric_cells(metric, estimates_of(members, smoothing, metric), paper.get(metric))
+    return row
+
+
+def identity_cells(members: Sequence[Mapping[str, Any]], smoothing: str) -> dict[str, Any]:
+    """The columns of `IDENTITY` for the row of these reports."""
     first = members[0]
     sections = [member["smoothings"][smoothing] for member in members]
     real = first["model"] == "real"
     row = {name: first.get(name) for name in ("model", "grid", "tets", "mode", "reduced")}
-    row |= {
-        "smoothing": None if real else smoothing,
+    return row | {
+        "smoothing": smoothing if len(first["smoothings"]) > 1 else None,  # no choice, nothing to tell
         "simplified": None if real else bool(first.get("simplified", False)),
         "seeds": None if real else len(members),
         "n": round(float(np.mean([section["generated"]["found"] for section in sections]))),
-        "train_minutes": _mean(member.get("train_minutes") for member in members),
+        "train_minutes": known_mean(member.get("train_minutes") for member in members),
         "extractor": " ".join(sorted({member["extractor"]["digest"] for member in members})),
     }
-    for metric in METRICS:
-        row |= _cells(metric, [section["metrics"].get(metric, {}) for section in sections], paper.get(metric))
-    return row
 
 
-def _cells(metric: str, estimates: Sequence[Mapping[str, Any]], printed: str | None) -> dict[str, Any]:
-    """Value and interval, averaged over seeds; deviation over seeds, or within the one seed there is."""
+def estimates_of(
+    members: Sequence[Mapping[str, Any]], smoothing: str, metric: str
+) -> list[Mapping[str, Any]]:
+    """The metric as each report has it; empty where one lacks it."""
+    return [member["smoothings"][smoothing]["metrics"].get(metric, {}) for member in members]
+
+
+def metric_cells(
+    column: str, estimates: Sequence[Mapping[str, Any]], printed: str | None = None
+) -> dict[str, Any]:
+    """Value and interval, averaged over seeds; deviation over seeds, or within the one seed there is.
+
+    Args:
+        column: name of the value's column, to which the others append.
+        printed: the paper's figure.
+    """
     values = [estimate["value"] for estimate in estimates if estimate.get("value") is not None]
     within = estimates[0].get("std") if len(estimates) == 1 else None
     return {
-        metric: _mean(values),
-        f"{metric}_std": float(np.std(values, ddof=1)) if len(values) > 1 else within,
-        f"{metric}_low": _mean(estimate.get("low") for estimate in estimates),
-        f"{metric}_high": _mean(estimate.get("high") for estimate in estimates),
-        f"{metric}_paper": printed,
+        column: known_mean(values),
+        f"{column}_std": float(np.std(values, ddof=1)) if len(values) > 1 else within,
+        f"{column}_low": known_mean(estimate.get("low") for estimate in estimates),
+        f"{column}_high": known_mean(estimate.get("high") for estimate in estimates),
+        f"{column}_paper": printed,
     }
 
 
-def _mean(values: Iterable[float | int | None]) -> float | None:
+def known_mean(values: Iterable[float | int | None]) -> float | None:
+    """Mean of the values that are there."""
     known = [value for value in values if value is not None]
     return float(np.mean(known)) if known else None

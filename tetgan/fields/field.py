@@ -19,6 +19,19 @@ class Field:
     displacement: Float32[np.ndarray, "T 3"]
 
 
+@dataclass(frozen=True, eq=False)
+class VertexField:
+    """A shape whose displacements are known at vertices alone, as a network of its surface predicts them.
+
+    Attributes:
+        occupancy: (T,) whether the centroid lies inside.
+        vertex_displacement: (V, 3) in cube sides; that of vertices off the boundary means nothing.
+    """
+
+    occupancy: Bool[np.ndarray, "T"]
+    vertex_displacement: Float32[np.ndarray, "V 3"]
+
+
 def surface_tets(
     occupancy: Bool[np.ndarray, "T"], neighbors: Int[np.ndarray, "T 4"]
 ) -> Bool[np.ndarray, "T"]:

@@ -1,9 +1,10 @@
 """From a field to a solid mesh."""
 
 import numpy as np
+from jaxtyping import Float, Int
 from scipy import sparse
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.grids.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.filtering import filter_occupancy
@@ -13,7 +14,7 @@ from tetgan.meshing.solid import SolidMesh
 
 
 def build_solid(
-    field: Field,
+    field: Field | VertexField,
     grid: TetGrid,
     operator: sparse.csr_array,
     mu: float,
@@ -38,9 +39,18 @@ def build_solid(
     used, compact = np.unique(tets, return_inverse=True)
     tets = compact.reshape(-1, 4)
     faces = boundary_faces(tets)
-    vertices, displacement = grid.vertices[used], operator[used] @ field.displacement.astype(np.float64)
+    vertices, displacement = grid.vertices[used], _displacement_at(used, field, operator)
     boundary = np.unique(faces)
     vertices[boundary] += displacement[boundary]
     if smoothing:
         vertices = smooth_vertices(vertices, displacement, faces, options.beta)
     return SolidMesh(vertices, tets, faces)
+
+
+def _displacement_at(
+    vertices: Int[np.ndarray, "N"], field: Field | VertexField, operator: sparse.csr_array
+) -> Float[np.ndarray, "N 3"]:
+    """Displacement of some vertices: by Eq. 3, or as the field itself has it."""
+    if isinstance(field, VertexField):
+        return field.vertex_displacement[vertices].astype(np.float64)
+    return operator[vertices] @ field.displacement.astype(np.float64)

@@ -9,12 +9,14 @@ import trimesh
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.meshing.solid import SolidMesh
+from tetgan.shapes.soup import Soup
 
 
-def write_surface(path: str | Path, mesh: SolidMesh) -> None:
-    """Write the boundary as triangles, in the format of the suffix: `.ply`, `.obj`, `.stl`, `.off`, `.glb`.
+def write_surface(path: str | Path, mesh: SolidMesh | Soup) -> None:
+    """Write a surface, or the boundary of a solid, as triangles.
 
-    `.ply` and `.stl` hold single precision.
+    The format is that of the suffix: `.ply`, `.obj`, `.stl`, `.off`, `.glb`; the
+    coordinates of `.ply` and `.stl` have single precision.
 
     Raises:
         UserError: trimesh cannot write that suffix.

@@ -10,8 +10,8 @@ from tetgan.options import Options
 class MeshingOptions(Options):
     """The paper's two numbers, and which vertices move."""
 
-    gamma: float = Field(
-        4.0, gt=0, description="surface tets displaced further than gamma*mu are dropped (Eq. 5)"
+    gamma: float | None = Field(
+        4.0, gt=0, description="surface tets displaced further than gamma*mu are dropped (Eq. 5); empty: none"
     )
     beta: float = Field(
         0.5, ge=0, le=1, description="share of its own position a smoothed vertex keeps (Eq. 4)"

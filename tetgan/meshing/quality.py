@@ -8,6 +8,8 @@ from scipy.sparse.csgraph import connected_components
 from tetgan.grids.adjacency import EDGES, FACES, face_neighbors, unique_edges
 from tetgan.grids.grid import tet_volumes
 from tetgan.meshing.solid import SolidMesh
+from tetgan.meshing.thickness import median_thickness
+from tetgan.shapes.soup import Soup
 
 
 def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
@@ -15,19 +17,39 @@ def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
 
     Returns:
         `tets`, `faces`; `inverted_tets`, of no or negative volume; `min_dihedral` in degrees over all tets,
-        which does not see whether a tet is inverted; `volume`, signed, in cubed cube sides; `components` of
-        tets joined by faces; `manifold_edges`, the share of surface edges with exactly two faces. All are 0
-        for an empty mesh.
+        which does not see whether a tet is inverted; `volume`, signed, in cubed cube sides; `thickness` in
+        cube sides (`median_thickness`); `components` of tets joined by faces; `floating`, the share of tets
+        outside the largest of them; `manifold_edges`, the share of surface edges with exactly two faces.
+        All are 0 for an empty mesh.
     """
     volumes = tet_volumes(mesh.vertices, mesh.tets)
+    components = _component_sizes(mesh.tets)
     return {
         "tets": len(mesh.tets),
         "faces": len(mesh.faces),
         "inverted_tets": int((volumes <= 0).sum()),
         "min_dihedral": float(dihedral_angles(mesh.vertices, mesh.tets).min()) if len(mesh.tets) else 0.0,
         "volume": float(volumes.sum()),
-        "components": _component_count(mesh.tets),
+        "thickness": median_thickness(mesh.vertices, mesh.faces),
+        "components": len(components),
+        "floating": float(1 - components.max() / len(mesh.tets)) if len(mesh.tets) else 0.0,
         "manifold_edges": _manifold_share(mesh.faces),
+    }
+
+
+def surface_record(surface: Soup) -> dict[str, int | float]:
+    """One row of the certificate of a surface without tets.
+
+    Returns:
+        `faces`; `volume` enclosed, in cubed cube sides; `components` of faces that share vertices;
+        `manifold_edges`, the share of edges with exactly two faces. All are 0 for an empty surface.
+    """
+    corners = surface.triangles - 0.5
+    return {
+        "faces": len(surface.faces),
+        "volume": float(np.linalg.det(corners).sum() / 6),
+        "components": _vertex_component_count(surface.faces),
+        "manifold_edges": _manifold_share(surface.faces),
     }
 
 
@@ -47,14 +69,25 @@ def dihedral_angles(
     return np.degrees(np.arctan2(sine, cosine))
 
 
-def _component_count(tets: Int[np.ndarray, "T 4"]) -> int:
+def _component_sizes(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "N"]:
+    """Tets of each component."""
     if len(tets) == 0:
-        return 0
+        return np.empty(0, dtype=np.int64)
     neighbors = face_neighbors(tets)
     rows, slots = np.nonzero(neighbors >= 0)
     links = sparse.coo_array(
         (np.ones(len(rows), dtype=bool), (rows, neighbors[rows, slots])), shape=(len(tets),) * 2
     )
+    return np.bincount(connected_components(links, directed=False)[1])
+
+
+def _vertex_component_count(faces: Int[np.ndarray, "F 3"]) -> int:
+    used, compact = np.unique(faces, return_inverse=True)
+    if len(used) == 0:
+        return 0
+    a, b, c = compact.reshape(-1, 3).T
+    ends = np.concatenate([a, b]), np.concatenate([b, c])
+    links = sparse.coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(len(used),) * 2)
     return int(connected_components(links, directed=False, return_labels=False))
 
 

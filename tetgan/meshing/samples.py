@@ -1,21 +1,22 @@
-"""Decoded fields to a folder of meshes and the rows of their certificate."""
+"""Decoded shapes to a folder of meshes and the rows of their certificate."""
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.export import write_surface, write_tets
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.quality import quality_record
+from tetgan.meshing.quality import quality_record, surface_record
+from tetgan.shapes.soup import Soup
 
 
 def write_solids(
     folder: Path,
-    fields: Iterable[tuple[str, Field, Mapping[str, Any]]],
+    fields: Iterable[tuple[str, Field | VertexField, Mapping[str, Any]]],
     grid: TetGrid,
     mu: float,
     options: MeshingOptions,
@@ -42,4 +43,26 @@ def write_solids(
             write_surface(folder / f"{shape_id}.ply", mesh)
             write_tets(folder / f"{shape_id}.vtu", mesh)
         rows.append({"id": shape_id, **columns, **quality_record(mesh)})
+    return rows
+
+
+def write_surfaces(
+    folder: Path, surfaces: Iterable[tuple[str, Soup, Mapping[str, Any]]]
+) -> list[dict[str, Any]]:
+    """Write `{id}.ply` for each surface.
+
+    Args:
+        folder: made if it does not exist.
+        surfaces: id, surface, and further columns for its row.
+
+    Returns:
+        A row for each surface: `id`, the further columns, then `surface_record`. One without faces gets a row
+        of zeros and no file.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for shape_id, surface, columns in surfaces:
+        if len(surface.faces):
+            write_surface(folder / f"{shape_id}.ply", surface)
+        rows.append({"id": shape_id, **columns, **surface_record(surface)})
     return rows

@@ -19,11 +19,15 @@ class TetHierarchy(nn.Module):
     """The neighbors of each level and the upsamplings between levels, coarse to fine; no weights."""
 
     def __init__(
-        self, hierarchy: GridHierarchy, upsample: Literal["inverse_distance", "copy"] = "inverse_distance"
+        self,
+        hierarchy: GridHierarchy,
+        upsample: Literal["inverse_distance", "copy"] = "inverse_distance",
+        convolution: Literal["tet", "shared"] = "tet",
     ) -> None:
         super().__init__()
+        ordered = convolution == "tet"
         self.neighbors: Sequence[TetNeighbors] = nn.ModuleList(  # type: ignore[assignment]
-            TetNeighbors(grid.neighbors) for grid in hierarchy.levels
+            TetNeighbors(grid.neighbors, ordered=ordered) for grid in hierarchy.levels
         )
         self.upsamplings: Sequence[TetUpsample] = nn.ModuleList(  # type: ignore[assignment]
             TetUpsample(coarse, fine, upsample) for coarse, fine in pairwise(hierarchy.levels)

@@ -3,72 +3,110 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import pandas as pd
 from rich.console import Console
 from rich.progress import track
 
-from tetgan.fields.field import Field
+from tetgan.fields.samplings import PointStore, VoxelStore
 from tetgan.fields.store import FieldStore
 from tetgan.files import whole_file
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.samples import write_solids
-from tetgan.models.generator import FieldGenerator
-from tetgan.models.registry import load_generator
+from tetgan.meshing.samples import write_solids, write_surfaces
+from tetgan.models.options import ImplicitOptions, OccNetOptions
+from tetgan.models.registry import load_generator, load_options, load_surface_model
 from tetgan.models.sampling import generate_fields, reconstruct_fields
+from tetgan.models.surfaces import extraction_of, generate_surfaces, reconstruct_surfaces
 
 SMOOTHINGS = {"none": False, "wls": True}
 """Folder of each smoothing: without, and with the weighted Laplacian of Eq. 4."""
 
-Row = tuple[str, Field, dict[str, Any]]
+Row = dict[str, Any]
+Shape = TypeVar("Shape")
+Item = tuple[str, Shape, Row]
 
 
 def write_samples(
     model: Path, index: Path, folder: Path, *, count: int, options: MeshingOptions, seed: int
 ) -> None:
-    """Generate `count` shapes and reconstruct the validation shapes, with and without smoothing.
+    """Generate `count` shapes and reconstruct the validation shapes, where the model has an encoder.
 
-    Fields are decoded again for each smoothing, so that one shape is in memory at a time; the seed makes
-    them the same.
+    Models of fields give surfaces and solids, with and without smoothing; models of implicit surfaces give
+    surfaces, without.
 
     Args:
         model: folder of a trained model.
+        index: of the fields, or the sampling, that it was trained on.
         folder: receives `{none,wls}/{generated,reconstructed}/{id}.{ply,vtu}`, `certificate.csv` beside
-            them, and `about.json` with the number of tets and the minutes of training.
+            them, and `about.json` with the number of tets, if any, and the minutes of training.
     """
+    trained = load_options(model)
+    if isinstance(trained, ImplicitOptions):
+        about = _write_surfaces(model, index, folder, trained, count=count, seed=seed)
+    else:
+        about = _write_solids(model, index, folder, options, count=count, seed=seed)
+    about |= {"train_minutes": _train_minutes(model)}
+    with whole_file(folder / "about.json") as partial:
+        partial.write_text(json.dumps(about, indent=2) + "\n")
+
+
+def _write_solids(
+    model: Path, index: Path, folder: Path, options: MeshingOptions, *, count: int, seed: int
+) -> Row:
+    """Fields are decoded again for each smoothing, so that one shape is in memory at a time; the seed makes
+    them the same."""
     store = FieldStore.open(index)
-    generator = load_generator(model, store.hierarchy)
+    generator, ids = load_generator(model, store.hierarchy), store.ids("validation")
     for name, smoothing in SMOOTHINGS.items():
         rows = []
         for kind, shapes in (
-            ("generated", _generated(generator, store, count, seed)),
-            ("reconstructed", _reconstructed(generator, store)),
+            ("generated", _numbered(generate_fields(generator, store, count, seed), count)),
+            ("reconstructed", _with_iou(reconstruct_fields(generator, store, ids), len(ids))),
         ):
             into = folder / name / kind
             grid = store.hierarchy.finest
             written = write_solids(into, shapes, grid, store.mu, options, smoothing=smoothing)
             rows += [{"set": kind} | row for row in written]
-        with whole_file(folder / name / "certificate.csv") as partial:
-            pd.DataFrame(rows).to_csv(partial, index=False)
-    about = {"tets": len(store.hierarchy.finest.tets), "train_minutes": _train_minutes(model)}
-    with whole_file(folder / "about.json") as partial:
-        partial.write_text(json.dumps(about, indent=2) + "\n")
+        _certify(folder / name, rows)
+    return {"tets": len(store.hierarchy.finest.tets)}
 
 
-def _generated(generator: FieldGenerator, store: FieldStore, count: int, seed: int) -> Iterator[Row]:
-    shapes = generate_fields(generator, store, count, seed)
+def _write_surfaces(
+    model: Path, index: Path, folder: Path, options: ImplicitOptions, *, count: int, seed: int
+) -> Row:
+    kind = PointStore if isinstance(options, OccNetOptions) else VoxelStore
+    store = kind.open(index)
+    trained = load_surface_model(model)
+    extraction, ids = extraction_of(options, store), store.ids("validation")
+    rows = []
+    for name, shapes in (
+        ("generated", _numbered(generate_surfaces(trained, extraction, count, seed), count)),
+        ("reconstructed", _with_iou(reconstruct_surfaces(trained, extraction, store, ids), len(ids))),
+    ):
+        written = write_surfaces(folder / "none" / name, shapes)
+        rows += [{"set": name} | row for row in written]
+    _certify(folder / "none", rows)
+    return {}
+
+
+def _certify(folder: Path, rows: list[Row]) -> None:
+    with whole_file(folder / "certificate.csv") as partial:
+        pd.DataFrame(rows).to_csv(partial, index=False)
+
+
+def _numbered(shapes: Iterator[Shape], count: int) -> Iterator[Item[Shape]]:
+    """Generated shapes by their number."""
     progress = track(shapes, description="sampling", total=count, console=Console(stderr=True))
-    for number, field in enumerate(progress):
-        yield f"{number:04d}", field, {}
+    for number, shape in enumerate(progress):
+        yield f"{number:04d}", shape, {}
 
 
-def _reconstructed(generator: FieldGenerator, store: FieldStore) -> Iterator[Row]:
-    ids = store.ids("validation")
-    shapes = reconstruct_fields(generator, store, ids)
-    progress = track(shapes, description="reconstructing", total=len(ids), console=Console(stderr=True))
-    for shape_id, field, iou in progress:
-        yield shape_id, field, {"iou": iou}
+def _with_iou(shapes: Iterator[tuple[str, Shape, float]], count: int) -> Iterator[Item[Shape]]:
+    """Reconstructions by the id of their original."""
+    progress = track(shapes, description="reconstructing", total=count, console=Console(stderr=True))
+    for shape_id, shape, iou in progress:
+        yield shape_id, shape, {"iou": iou}
 
 
 def _train_minutes(model: Path) -> float | None:

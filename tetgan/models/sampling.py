@@ -7,7 +7,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.store import FieldStore
 from tetgan.models.baselines.representation import RepresentationGenerator
 from tetgan.models.generator import FieldGenerator
@@ -25,7 +25,7 @@ def generate_fields(
     *,
     batch_size: int = BATCH,
     device: str = "auto",
-) -> Iterator[Field]:
+) -> Iterator[Field | VertexField]:
     """Decoded draws of the prior; which ones depends on the seed, not on the batch size.
 
     A `representation` has no prior: training shapes come in seeded order, again from the start if `count`
@@ -37,8 +37,7 @@ def generate_fields(
         return
     draws = torch.Generator().manual_seed(seed)
     latents = torch.cat([generator.sample_latent(1, draws) for _ in range(count)])
-    for batch in latents.split(batch_size):
-        yield from _to_fields(_decode(generator, batch, pick_device(device)), store.max_displacement)
+    yield from decode_fields(generator, latents, store.max_displacement, batch_size=batch_size, device=device)
 
 
 def reconstruct_fields(
@@ -48,25 +47,52 @@ def reconstruct_fields(
     *,
     batch_size: int = BATCH,
     device: str = "auto",
-) -> Iterator[tuple[str, Field, float]]:
+) -> Iterator[tuple[str, Field | VertexField, float]]:
     """Each shape encoded, decoded from the posterior mean, and its occupancy IoU with the original."""
     if isinstance(generator, RepresentationGenerator):
         yield from ((shape_id, store.read(shape_id), 1.0) for shape_id in ids)
         return
-    where = pick_device(device)
     for start in range(0, len(ids), batch_size):
         chunk = list(ids[start : start + batch_size])
-        original = store.tensor(chunk)
+        latents = encode_shapes(generator, store, chunk, batch_size=batch_size, device=device)
+        fields = decode_fields(
+            generator, latents, store.max_displacement, batch_size=batch_size, device=device
+        )
+        for shape_id, field in zip(chunk, fields, strict=True):
+            yield shape_id, field, float(occupancy_iou(field.occupancy, store.read(shape_id).occupancy))
+
+
+def encode_shapes(
+    generator: FieldGenerator,
+    store: FieldStore,
+    ids: Sequence[str],
+    *,
+    batch_size: int = BATCH,
+    device: str = "auto",
+) -> Float[Tensor, "N ..."]:
+    """The latent that stands for each shape, on the CPU."""
+    where, latents = pick_device(device), []
+    for start in range(0, len(ids), batch_size):
+        original = torch.from_numpy(store.tensor(ids[start : start + batch_size]))
         with torch.inference_mode():
-            latents = generator.to(where).encode(torch.from_numpy(original).to(where))
-        fields = _to_fields(_decode(generator, latents, where), store.max_displacement)
-        for shape_id, field, true in zip(chunk, fields, original[..., 0] > 0.5, strict=True):
-            yield shape_id, field, float(occupancy_iou(field.occupancy, true))
+            latents.append(generator.to(where).encode(original.to(where)).cpu())
+    return torch.cat(latents)
 
 
-def _decode(generator: FieldGenerator, latents: Tensor, device: torch.device) -> Float[Tensor, "B T 4"]:
-    with torch.inference_mode():
-        return generator.to(device).decode(latents.to(device)).cpu()
+def decode_fields(
+    generator: FieldGenerator,
+    latents: Float[Tensor, "N ..."],
+    max_displacement: float,
+    *,
+    batch_size: int = BATCH,
+    device: str = "auto",
+) -> Iterator[Field | VertexField]:
+    """What becomes a mesh for each latent, displacement in cube sides."""
+    where = pick_device(device)
+    for batch in latents.split(batch_size):
+        with torch.inference_mode():
+            decoded = generator.to(where).decode(batch.to(where)).cpu()
+        yield from map(generator.meshed, _to_fields(decoded, max_displacement))
 
 
 def _to_fields(decoded: Float[Tensor, "B T 4"], max_displacement: float) -> Iterator[Field]:

@@ -27,11 +27,13 @@ STRAIGHT, LOG_VARIANCE, ROUNDING = 4.0, -3.0, 1e-5
 
 
 class Encoder(nn.Module):
-    """A block of four convolutions a level, pooling between them: (T, B, 4) to (K, B, widths[0])."""
+    """A block of four convolutions a level, pooling between them: (T, B, channels) to (K, B, widths[0])."""
 
-    def __init__(self, hierarchy: TetHierarchy, widths: list[int], pool: Literal["max", "mean"]) -> None:
+    def __init__(
+        self, hierarchy: TetHierarchy, channels: int, widths: list[int], pool: Literal["max", "mean"]
+    ) -> None:
         super().__init__()
-        blocks, channels = [], FIELD_CHANNELS
+        blocks = []
         for level in reversed(range(len(widths))):
             steps = [channels] + CONVOLUTIONS * [widths[level]]
             pooling = TetPool(pool) if level > 0 else None
@@ -39,7 +41,7 @@ class Encoder(nn.Module):
             channels = widths[level]
         self.blocks = nn.Sequential(*blocks)
 
-    def forward(self, x: Float[Tensor, "T B 4"]) -> Float[Tensor, "K B C"]:
+    def forward(self, x: Float[Tensor, "T B F"]) -> Float[Tensor, "K B C"]:
         return self.blocks(x)
 
 
@@ -49,17 +51,17 @@ class Decoder(nn.Module):
     The very last convolution has neither norm nor activation.
     """
 
-    def __init__(self, hierarchy: TetHierarchy, widths: list[int]) -> None:
+    def __init__(self, hierarchy: TetHierarchy, widths: list[int], channels: int) -> None:
         super().__init__()
         layers: list[nn.Module] = []
-        for level, (channels, out) in enumerate(pairwise(widths)):
-            steps = CONVOLUTIONS * [channels] + [out]
+        for level, (width, finer) in enumerate(pairwise(widths)):
+            steps = CONVOLUTIONS * [width] + [finer]
             layers += [conv_layers(steps, hierarchy.neighbors[level]), hierarchy.upsamplings[level]]
         layers.append(conv_layers(CONVOLUTIONS * [widths[-1]], hierarchy.neighbors[-1]))
-        layers.append(TetConv(widths[-1], FIELD_CHANNELS, hierarchy.neighbors[-1]))
+        layers.append(TetConv(widths[-1], channels, hierarchy.neighbors[-1]))
         self.layers = nn.Sequential(*layers)
 
-    def forward(self, x: Float[Tensor, "K B C"]) -> Float[Tensor, "T B 4"]:
+    def forward(self, x: Float[Tensor, "K B C"]) -> Float[Tensor, "T B F"]:
         return self.layers(x)
 
 
@@ -140,15 +142,20 @@ def _set_outputs(
 
 
 class TetganGenerator(FieldGenerator):
-    """The variational autoencoder, whose decoder is also the generator that the critics judge."""
+    """The variational autoencoder, whose decoder is also the generator that the critics judge.
+
+    Without `displacement` it reads and writes occupancy alone: wherever fields have displacements, losses
+    and critics included, there are zeros.
+    """
 
     def __init__(self, options: TetganOptions, hierarchy: GridHierarchy) -> None:
         super().__init__()
-        self.hierarchy = TetHierarchy(hierarchy, options.upsample)
+        self.hierarchy = TetHierarchy(hierarchy, options.upsample, options.convolution)
+        self.channels = FIELD_CHANNELS if options.displacement else 1
         widths = level_widths(hierarchy.depth, options.width, options.base_width or options.code)
-        self.encoder = Encoder(self.hierarchy, widths, options.pool)
+        self.encoder = Encoder(self.hierarchy, self.channels, widths, options.pool)
         self.head = LatentHead(options, self.hierarchy.neighbors[0], widths[0])
-        self.decoder = Decoder(self.hierarchy, widths)
+        self.decoder = Decoder(self.hierarchy, widths, self.channels)
         self.range = options.displacement_range
         self.prior = FittedPrior(self.head.latent_shape) if options.prior == "fitted" else None
 
@@ -166,16 +173,21 @@ class TetganGenerator(FieldGenerator):
 
     def decode_features(self, features: Float[Tensor, "K B C"]) -> Float[Tensor, "B T 4"]:
         """Decode the coarsest features themselves, without the latent head."""
-        field = self.decoder(features).transpose(0, 1).float()
+        field = self._padded(self.decoder(features).transpose(0, 1).float())
         return torch.cat([field[..., :1], self.range * field[..., 1:].tanh()], dim=-1)
 
     def in_range(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B T 4"]:
         """The field as the networks see it: displacements in units of the range, larger ones clipped."""
-        return torch.cat([field[..., :1], (field[..., 1:] / self.range).clamp(-1, 1)], dim=-1)
+        displacement = (field[..., 1 : self.channels] / self.range).clamp(-1, 1)
+        return self._padded(torch.cat([field[..., :1], displacement], dim=-1))
+
+    def _padded(self, field: Float[Tensor, "B T F"]) -> Float[Tensor, "B T 4"]:
+        """Zeros for the displacement that this network does not know."""
+        return functional.pad(field, (0, FIELD_CHANNELS - self.channels))
 
     def features(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "K B C"]:
         """The encoder's coarsest features, which the latent head reads."""
-        return self.encoder(tets_first(self.in_range(field)))
+        return self.encoder(tets_first(self.in_range(field)[..., : self.channels]))
 
     def posterior(
         self, field: Float[Tensor, "B T 4"]

@@ -21,11 +21,14 @@ THIN = 8  # channels below which five products are too thin to keep a core busy
 class TetNeighbors(nn.Module):
     """Face adjacency of one grid, prepared for gathering in both directions.
 
-    `neighbors` (T, 4) as in `TetGrid`: -1 stands for the outside, whose row is zero.
+    `neighbors` (T, 4) as in `TetGrid`: -1 stands for the outside, whose row is zero. Convolutions over
+    `ordered` neighbors tell the four slots apart; over unordered ones they share a matrix among them, as
+    a graph convolution does.
     """
 
-    def __init__(self, neighbors: Int[np.ndarray, "T 4"]) -> None:
+    def __init__(self, neighbors: Int[np.ndarray, "T 4"], *, ordered: bool = True) -> None:
         super().__init__()
+        self.ordered = ordered
         self.slots = nn.ModuleList(RowMap(_selection(neighbors[:, slot])) for slot in range(SLOTS - 1))
         self.tets = len(neighbors)
 
@@ -174,14 +177,21 @@ def _flat(x: Tensor) -> Tensor:
 
 
 class TetConv(nn.Module):
-    """A tetrahedral convolution with its weights, started like a linear layer on 5 C inputs."""
+    """A tetrahedral convolution with its weights, started like a linear layer on 5 C inputs.
+
+    `weight` holds a matrix for the tet itself, then one for each slot; over unordered neighbors, one for
+    all four.
+    """
 
     def __init__(self, channels: int, out_channels: int, neighbors: TetNeighbors, bias: bool = True) -> None:
         super().__init__()
-        bound = 1 / math.sqrt(SLOTS * channels)
-        self.weight = nn.Parameter(torch.empty(SLOTS, channels, out_channels).uniform_(-bound, bound))
+        bound, matrices = 1 / math.sqrt(SLOTS * channels), SLOTS if neighbors.ordered else 2
+        self.weight = nn.Parameter(torch.empty(matrices, channels, out_channels).uniform_(-bound, bound))
         self.bias = nn.Parameter(torch.empty(out_channels).uniform_(-bound, bound)) if bias else None
         self.neighbors = neighbors
 
     def forward(self, x: Float[Tensor, "T B C"]) -> Float[Tensor, "T B D"]:
-        return tet_conv(x, self.weight, self.bias, self.neighbors)
+        weight = self.weight
+        if not self.neighbors.ordered:
+            weight = torch.cat([weight[:1], weight[1:].expand(SLOTS - 1, -1, -1)])
+        return tet_conv(x, weight, self.bias, self.neighbors)

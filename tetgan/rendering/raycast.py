@@ -55,6 +55,7 @@ def render_mesh(
     elevation: float | int = 20.0,
     colors: Float[np.ndarray, "F 3"] | tuple[float, float, float] = STEEL,
     span: float | int | None = None,
+    middle: tuple[float, float, float] | None = None,
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Shaded orthographic picture on white.
 
@@ -63,15 +64,17 @@ def render_mesh(
         azimuth: degrees the camera goes round the y axis, from the front (+z) towards +x.
         elevation: degrees above the horizon.
         colors: linear RGB in 0..1, one or one a face.
-        span: mesh units along the shorter side of the picture, the bounding box in the middle; by default the
-            shape fills the picture.
+        span: mesh units along the shorter side of the picture; by default the shape fills the picture.
+        middle: with `span`, the point in the middle of the picture; by default that of the bounding box.
 
     Returns:
         sRGB pixels; all white for a mesh without faces.
     """
     if len(faces) == 0:
         return np.full((size[1], size[0], 3), 255, dtype=np.uint8)
-    camera = _place_camera(vertices[np.unique(faces)], size, azimuth, elevation, span)
+    camera = _place_camera(
+        vertices[np.unique(faces)], size, camera_axes(azimuth, elevation), span=span, middle=middle
+    )
     # Embree computes in float32: a shape about the origin of size one loses least.
     diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
     scaled = ((vertices - camera.middle) / diagonal).astype(np.float32)
@@ -88,22 +91,27 @@ def render_mesh(
     return _average(shade, size)
 
 
-def _place_camera(
-    points: Float[np.ndarray, "V 3"],
-    size: tuple[int, int],
-    azimuth: float | int,
-    elevation: float | int,
-    span: float | int | None,
-) -> _Camera:
+def camera_axes(azimuth: float | int, elevation: float | int) -> Float[np.ndarray, "3 3"]:
+    """Unit columns: to the right, up and back towards the viewer; angles as in `render_mesh`."""
     turn, rise = np.radians(azimuth), np.radians(elevation)
     back = np.array([np.sin(turn) * np.cos(rise), np.sin(rise), np.cos(turn) * np.cos(rise)])
     right = np.array([np.cos(turn), 0.0, -np.sin(turn)])
-    up = np.cross(back, right)
-    axes = np.stack([right, up, back], axis=1)
+    return np.stack([right, np.cross(back, right), back], axis=1)
+
+
+def _place_camera(
+    points: Float[np.ndarray, "V 3"],
+    size: tuple[int, int],
+    axes: Float[np.ndarray, "3 3"],
+    *,
+    span: float | int | None,
+    middle: tuple[float, float, float] | None,
+) -> _Camera:
+    right, up, back = axes.T
     shorter = min(size)
     if span is not None:
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2
-        return _Camera(right, up, back, middle, span / shorter)
+        box = (points.min(axis=0) + points.max(axis=0)) / 2
+        return _Camera(right, up, back, box if middle is None else np.array(middle), span / shorter)
     seen = points @ axes
     low, high = seen.min(axis=0), seen.max(axis=0)
     room = np.array(size) - 2 * _MARGIN * shorter

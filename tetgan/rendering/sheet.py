@@ -1,7 +1,7 @@
 """Pictures side by side, with titles, and files of them."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -10,41 +10,72 @@ from PIL import Image, ImageDraw, ImageFont
 
 from tetgan.files import whole_file
 
-_INK = (40, 44, 52)
+Ink = tuple[int, int, int]
+
+INK: Ink = (40, 44, 52)
+FAINT: Ink = (165, 170, 178)
+_RULE: Ink = (205, 208, 214)
+_LINE = 1.4  # height of a line of text, over that of its letters
+_Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 
 def contact_sheet(
     images: Sequence[UInt8[np.ndarray, "_h _w 3"]],
     columns: int,
+    *,
     titles: Sequence[str] | None = None,
     row_titles: Sequence[str] | None = None,
+    column_titles: Sequence[str] | None = None,
+    column_inks: Sequence[Ink] | None = None,
+    ruled_rows: Collection[int] = (),
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """Pictures of one size in rows of `columns`, on white.
+    """Pictures of one size in rows of `columns`, on white. Any text may hold line breaks.
 
     Args:
-        titles: a line under each picture.
-        row_titles: a line beside each row, on the left; it may hold line breaks.
+        titles: text under each picture.
+        row_titles: text beside each row, on the left.
+        column_titles: text above each column, in the colours `column_inks` if there are any.
+        ruled_rows: rows with a thin line above them.
 
     Raises:
         ValueError: no pictures, pictures of different sizes, or too few titles.
     """
-    _check(images, columns, titles, row_titles)
+    _check(images, columns, titles, row_titles, column_titles)
     height, width = images[0].shape[:2]
-    letters = max(10, height // 18)
+    letters = letters_of(height)
     font = ImageFont.load_default(size=letters)
-    line = round(letters * 1.5) if titles else 0
-    left = _text_width(row_titles, font) if row_titles else 0
-    rows = math.ceil(len(images) / columns)
-    page = Image.new("RGB", (left + columns * width, rows * (height + line)), "white")
+    below = _text_height(titles, letters) if titles and any(titles) else 0
+    above = _text_height(column_titles, letters) if column_titles else 0
+    left = _text_width(row_titles, font) + letters if row_titles else 0
+    rows, step = math.ceil(len(images) / columns), height + below
+    page = Image.new("RGB", (left + columns * width, above + rows * step), "white")
     draw = ImageDraw.Draw(page)
+    for column, title in enumerate(column_titles or ()):
+        ink = column_inks[column] if column_inks else INK
+        _write(draw, (left + (column + 0.5) * width, above / 2), title, font, ink=ink)
     for number, image in enumerate(images):
-        x, y = left + number % columns * width, number // columns * (height + line)
+        x, y = left + number % columns * width, above + number // columns * step
         page.paste(Image.fromarray(image), (x, y))
         if titles:
-            draw.text((x + width / 2, y + height + line / 2), titles[number], _INK, font, anchor="mm")
+            _write(draw, (x + width / 2, y + height + below / 2), titles[number], font)
     for row, title in enumerate(row_titles or ()):
-        draw.multiline_text((letters / 2, (row + 0.5) * (height + line)), title, _INK, font, anchor="lm")
+        _write(draw, (letters / 2, above + row * step + height / 2), title, font, anchor="lm")
+    for row in ruled_rows:
+        draw.line((0, above + row * step, page.width, above + row * step), _RULE, max(1, letters // 12))
     return np.asarray(page).copy()
+
+
+def note(image: UInt8[np.ndarray, "H W 3"], text: str) -> UInt8[np.ndarray, "H W 3"]:
+    """The picture with a faint text in its middle."""
+    page = Image.fromarray(image)
+    font = ImageFont.load_default(size=letters_of(page.height))
+    _write(ImageDraw.Draw(page), (page.width / 2, page.height / 2), text, font, ink=FAINT)
+    return np.asarray(page).copy()
+
+
+def letters_of(height: int) -> int:
+    """Size in pixels of the letters that go with pictures of a height."""
+    return max(10, height // 13)
 
 
 def save_image(path: str | Path, image: UInt8[np.ndarray, "H W 3"]) -> None:
@@ -54,7 +85,11 @@ def save_image(path: str | Path, image: UInt8[np.ndarray, "H W 3"]) -> None:
 
 
 def _check(
-    images: Sequence[np.ndarray], columns: int, titles: Sequence[str] | None, row_titles: Sequence[str] | None
+    images: Sequence[np.ndarray],
+    columns: int,
+    titles: Sequence[str] | None,
+    row_titles: Sequence[str] | None,
+    column_titles: Sequence[str] | None,
 ) -> None:
     if not images or columns < 1:
         raise ValueError("a contact sheet needs at least one picture and one column")
@@ -64,8 +99,32 @@ def _check(
         raise ValueError(f"{len(titles)} titles for {len(images)} pictures")
     if row_titles is not None and len(row_titles) != math.ceil(len(images) / columns):
         raise ValueError(f"{len(row_titles)} row titles for {math.ceil(len(images) / columns)} rows")
+    if column_titles is not None and len(column_titles) != columns:
+        raise ValueError(f"{len(column_titles)} column titles for {columns} columns")
 
 
-def _text_width(texts: Sequence[str], font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> int:
+def _write(
+    draw: ImageDraw.ImageDraw,
+    place: tuple[float, float],
+    text: str,
+    font: _Font,
+    *,
+    ink: Ink = INK,
+    anchor: str = "mm",
+) -> None:
+    """Lines of text about a place; `anchor` as Pillow has it, for every line."""
+    lines = text.split("\n")
+    pitch = _LINE * getattr(font, "size", 10)
+    for number, line in enumerate(lines):
+        down = (number - (len(lines) - 1) / 2) * pitch
+        draw.text((place[0], place[1] + down), line, ink, font, anchor=anchor)
+
+
+def _text_width(texts: Sequence[str], font: _Font) -> int:
     lines = [line for text in texts for line in text.splitlines()]
-    return math.ceil(max(font.getlength(line) for line in lines)) + 12
+    return math.ceil(max((font.getlength(line) for line in lines), default=0))
+
+
+def _text_height(texts: Sequence[str], letters: int) -> int:
+    """Room for the tallest text, and half a line."""
+    return round((max(text.count("\n") for text in texts) + 1.5) * _LINE * letters)

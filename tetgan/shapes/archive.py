@@ -65,6 +65,16 @@ def read_mesh(path: Path, shape_id: str) -> Soup:
         return Soup(vertices, _read_array(archive, f"{shape_id}/faces.npy").astype(np.int64))
 
 
+def pick_meshes(paths: Sequence[Path], ids: Iterable[str]) -> dict[str, Soup]:
+    """Some meshes of several shards, by id; an id that none of them holds is left out."""
+    wanted, found = set(ids), {}
+    for path in paths:
+        with _open(path) as archive:
+            held = {name.rpartition("/")[0] for name in archive.namelist()}
+        found |= {shape_id: read_mesh(path, shape_id) for shape_id in sorted(wanted & held)}
+    return found
+
+
 def read_records(path: Path) -> pd.DataFrame:
     """One row a listed shape of the shard, repaired or not, with columns as `read_table` gives them."""
     with _open(path) as archive:

@@ -8,9 +8,10 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from types import TracebackType
+from typing import ClassVar, Self
 
 from tetgan.shapes.messages import read_message, write_message
-from tetgan.shapes.options import RepairOptions
+from tetgan.shapes.options import RepairOptions, SimplifyOptions
 from tetgan.shapes.soup import ShapeError, Soup
 
 # The child watches its own processor time; one that sleeps is waited for this long, on a busy machine too.
@@ -18,23 +19,27 @@ _START_SECONDS = 60.0
 _PATIENCE = 20.0  # wall seconds a processor second
 
 
-class RepairWorker:
-    """Turns soups into solids in a child process, which lives on from mesh to mesh.
+class MeshWorker:
+    """Passes meshes through a child process, which lives on from mesh to mesh.
 
-    Starting the child costs more than most repairs, so it is kept until a mesh crashes it or takes more than
+    Starting the child costs more than most meshes, so it is kept until one crashes it or takes more than
     `options.timeout_seconds` of processor time; the next mesh gets a new one. Use as a context manager.
 
     `program` is for tests; by default it is `tetgan.shapes.repair_worker`.
     """
 
-    def __init__(self, options: RepairOptions, program: Sequence[str] | None = None) -> None:
+    task: ClassVar[str]
+
+    def __init__(
+        self, options: RepairOptions | SimplifyOptions, program: Sequence[str] | None = None
+    ) -> None:
         default = (sys.executable, "-m", "tetgan.shapes.repair_worker", options.model_dump_json())
         self._program = tuple(program or default)
         self._timeout = options.timeout_seconds
         self._patience = _START_SECONDS + _PATIENCE * options.timeout_seconds
         self._process: subprocess.Popen[bytes] | None = None
 
-    def __enter__(self) -> "RepairWorker":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -54,7 +59,7 @@ class RepairWorker:
                 stream.close()
         process.wait()
 
-    def repair(self, soup: Soup) -> Soup:
+    def _send(self, soup: Soup) -> Soup:
         """One mesh through the child.
 
         Raises:
@@ -69,12 +74,12 @@ class RepairWorker:
         ready, _, _ = select.select([process.stdout], [], [], self._patience)
         if not ready:
             self.close()
-            raise ShapeError("repair hangs")
+            raise ShapeError(f"{self.task} hangs")
         answer = read_message(process.stdout)
         if answer is None:
             raise ShapeError(self._obituary())
         if "error" in answer:
-            raise ShapeError(f"repair failed: {answer['error']}")
+            raise ShapeError(f"{self.task} failed: {answer['error']}")
         return Soup(answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 3))
 
     def _running(self) -> subprocess.Popen[bytes]:
@@ -94,5 +99,33 @@ class RepairWorker:
         status = self._process.poll()
         self.close()
         if status == -signal.SIGPROF:
-            return f"repair took longer than {self._timeout:g} s"
-        return f"repair crashed (exit status {status})"
+            return f"{self.task} took longer than {self._timeout:g} s"
+        return f"{self.task} crashed (exit status {status})"
+
+
+class RepairWorker(MeshWorker):
+    """Turns soups into solids."""
+
+    task = "repair"
+
+    def repair(self, soup: Soup) -> Soup:
+        """One mesh through the child.
+
+        Raises:
+            ShapeError: the child raised, crashed, or took too long.
+        """
+        return self._send(soup)
+
+
+class SimplifyWorker(MeshWorker):
+    """Takes faces away from meshes."""
+
+    task = "simplification"
+
+    def simplify(self, soup: Soup) -> Soup:
+        """One mesh through the child; one that has few enough faces stays as it is.
+
+        Raises:
+            ShapeError: the child raised, crashed, or took too long.
+        """
+        return self._send(soup)

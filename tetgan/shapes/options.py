@@ -99,6 +99,14 @@ class RepairOptions(Options):
     timeout_seconds: float = Field(60.0, gt=0, description="processor time after which a mesh is rejected")
 
 
+class SimplifyOptions(Options):
+    """Quadric edge collapse (Garland and Heckbert 1997)."""
+
+    method: Literal["quadric_collapse"] = Field("quadric_collapse", description="there is no other")
+    faces: int = Field(5500, ge=4, description="most faces of a mesh; the paper's are 5,500")
+    timeout_seconds: float = Field(60.0, gt=0, description="processor time after which a mesh is given up")
+
+
 class SplitOptions(Options):
     """The seeded split of a category, for shapes without an official one."""
 

@@ -42,11 +42,17 @@ class Visibility:
         thickness[met] = (through + _PAST) * np.abs(normals[met] @ direction)
         return thickness
 
+    def distances(
+        self, origins: Float[np.ndarray, "P 3"], directions: Float[np.ndarray, "P 3"]
+    ) -> Float[np.ndarray, "P"]:
+        """Distance along each unit direction to the first triangle, inf if there is none."""
+        return self._first_hit(origins, directions)[0]
+
     def _first_hit(
-        self, origins: Float[np.ndarray, "P 3"], direction: Float[np.ndarray, "3"]
+        self, origins: Float[np.ndarray, "P 3"], directions: Float[np.ndarray, "*rays 3"]
     ) -> tuple[Float[np.ndarray, "P"], Float[np.ndarray, "P 3"]]:
         """Distance to the first triangle, inf if there is none, and its unit normal."""
-        rays = np.ascontiguousarray(np.broadcast_to(direction, origins.shape), dtype=np.float32)
+        rays = np.ascontiguousarray(np.broadcast_to(directions, origins.shape), dtype=np.float32)
         hits = self._scene.run(origins.astype(np.float32), rays, output=True)
         missed = hits["primID"] == -1
         normals = hits["Ng"] / np.maximum(np.linalg.norm(hits["Ng"], axis=1, keepdims=True), 1e-30)

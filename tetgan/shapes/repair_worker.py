@@ -1,6 +1,6 @@
-"""The child process of repair: the only place that imports the two C++ repair libraries.
+"""The child process of repair and simplification: the only place that imports the C++ repair libraries.
 
-Run as `python -m tetgan.shapes.repair_worker OPTIONS_JSON`; soups arrive on stdin, solids leave on stdout.
+Run as `python -m tetgan.shapes.repair_worker OPTIONS_JSON`; meshes arrive on stdin and leave on stdout.
 A crash or a hang of a library ends this process and nothing else. pymeshlab is GPL-3: it stays behind this
 pipe.
 """
@@ -10,12 +10,14 @@ import resource
 import signal
 import sys
 from collections.abc import Callable
+from typing import Annotated
 
 import numpy as np
 from jaxtyping import Float, Int
+from pydantic import Field, TypeAdapter
 
 from tetgan.shapes.messages import read_message, write_message
-from tetgan.shapes.options import RepairOptions
+from tetgan.shapes.options import RepairOptions, SimplifyOptions
 
 Arrays = tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]
 _MEMORY_BYTES = 6 * 2**30  # address space; the libraries need well below 1 GiB on sane shapes
@@ -48,7 +50,29 @@ def alpha_wrap(
     return wrapped.vertex_matrix(), wrapped.face_matrix()
 
 
-METHODS = {"manifold": manifold, "alpha_wrap": alpha_wrap}
+def quadric_collapse(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], options: SimplifyOptions
+) -> Arrays:
+    """Edges collapsed where that moves the surface least (Garland & Heckbert 1997), topology kept.
+
+    A closed surface stays closed. A mesh with few enough faces comes back as it is.
+    """
+    if len(faces) <= options.faces:
+        return vertices, faces
+    import pymeshlab  # noqa: PLC0415
+
+    meshes = pymeshlab.MeshSet(verbose=False)
+    meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
+    meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=options.faces, preservetopology=True)
+    simplified = meshes.current_mesh()
+    return simplified.vertex_matrix(), simplified.face_matrix()
+
+
+METHODS: dict[str, Callable[..., Arrays]] = {
+    "manifold": manifold,
+    "alpha_wrap": alpha_wrap,
+    "quadric_collapse": quadric_collapse,
+}
 
 
 def serve(repair: Callable[[np.ndarray, np.ndarray], Arrays], timeout_seconds: float) -> None:
@@ -76,9 +100,11 @@ def serve(repair: Callable[[np.ndarray, np.ndarray], Arrays], timeout_seconds: f
 
 def main() -> None:
     """Serve the method that the options on the command line name."""
-    options = RepairOptions.model_validate_json(sys.argv[1])
-    repair = METHODS[options.method]
-    serve(lambda vertices, faces: repair(vertices, faces, options), options.timeout_seconds)
+    options: RepairOptions | SimplifyOptions = TypeAdapter(
+        Annotated[RepairOptions | SimplifyOptions, Field(discriminator="method")]
+    ).validate_json(sys.argv[1])
+    method = METHODS[options.method]
+    serve(lambda vertices, faces: method(vertices, faces, options), options.timeout_seconds)
 
 
 if __name__ == "__main__":

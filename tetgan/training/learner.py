@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
 import torch
 from jaxtyping import Float
 from scipy import sparse
@@ -16,6 +15,7 @@ from tetgan.models.options import TetganOptions
 from tetgan.models.tetgan import TetganGenerator
 from tetgan.nn.rows import RowMap
 from tetgan.training.average import WeightAverage
+from tetgan.training.loop import Losses
 from tetgan.training.losses import (
     as_seen_by_critics,
     displacement_loss,
@@ -24,8 +24,6 @@ from tetgan.training.losses import (
     occupancy_loss,
 )
 from tetgan.training.options import TrainingOptions
-
-Losses = dict[str, float]
 
 BYPASS_NOISE = (
     0.3  # of features whose deviation is near 1: what a bottleneck loses, the decoder must not need
@@ -67,9 +65,9 @@ class Learner:
 
     def _build_critics(self, options: TetganOptions) -> nn.ModuleDict:
         maps, critics = self.generator.hierarchy, nn.ModuleDict()
-        if self.training.adversarial_start < 1 and self.training.local_weight > 0:
+        if self.training.adversarial_start < 1 and self.training.local_weight != 0:
             critics["local"] = LocalCritic(maps, options.local_critic_width)
-        if self.training.adversarial_start < 1 and self.training.global_weight > 0:
+        if self.training.adversarial_start < 1 and self.training.global_weight != 0:
             critics["global"] = GlobalCritic(maps, options.global_critic_width)
         return critics
 
@@ -145,7 +143,10 @@ class Learner:
         return losses
 
     def adversarial_step(self, count: int, draws: torch.Generator) -> Losses:
-        """One Adam step of the decoder towards higher scores of `count` decoded draws of the prior."""
+        """One Adam step of the decoder towards higher scores of `count` decoded draws of the prior.
+
+        Towards lower ones of a critic whose weight is negative, as in the official code.
+        """
         self.critics.requires_grad_(False)
         fake = self._fake(count, draws)
         total = torch.zeros((), device=self.device)
@@ -190,9 +191,3 @@ class Learner:
         if self.critic_optimizer is not None:
             parts |= {"critics": self.critics, "critic_optimizer": self.critic_optimizer}
         return parts
-
-
-def step_draws(seed: int, step: int) -> torch.Generator:
-    """The random numbers of one step: a function of seed and step, so a resumed run draws the same."""
-    state = np.random.SeedSequence([seed, step]).generate_state(1, np.uint64)
-    return torch.Generator().manual_seed(int(state[0] >> np.uint64(1)))

@@ -42,12 +42,12 @@ def as_seen_by_critics(decoded: Float[Tensor, "B T 4"]) -> Float[Tensor, "B T 4"
 
 def gradient_penalty(
     critic: Callable[[Tensor], Tensor],
-    real: Float[Tensor, "B T 4"],
-    fake: Float[Tensor, "B T 4"],
+    real: Float[Tensor, "B *shape"],
+    fake: Float[Tensor, "B *shape"],
     share: Float[Tensor, "B"],
 ) -> Float[Tensor, ""]:
-    """(|∇ critic| − 1)² between real and fake fields (Gulrajani et al. 2017, eq. 3), `share` of each real."""
-    share = share.view(-1, 1, 1)
+    """(|∇ critic| − 1)² between real and fake ones (Gulrajani et al. 2017, eq. 3), `share` of each real."""
+    share = share.view(-1, *(real.ndim - 1) * (1,))
     between = (share * real + (1 - share) * fake).requires_grad_()
     with input_gradients_only():
         (gradient,) = torch.autograd.grad(critic(between).sum(), between, create_graph=True)

@@ -43,9 +43,11 @@ class TrainingOptions(Options):
         description="how much of the rise is left after 5,648 shapes; smaller rises faster",
     )
 
-    local_weight: float = Field(4.0, ge=0, description="weight of the local critic's score; 0 leaves it out")
+    local_weight: float = Field(
+        4.0, description="weight of the local critic's score; 0 leaves it out, below 0 lowers the score"
+    )
     global_weight: float = Field(
-        0.01, ge=0, description="weight of the global critic's score; 0 leaves it out"
+        0.01, description="weight of the global critic's score; likewise (the official code has -0.01)"
     )
     critic_steps: int = Field(3, ge=1, description="critic batches for each adversarial generator batch")
     gradient_penalty: float = Field(10.0, ge=0, description="weight of the critics' gradient penalty")

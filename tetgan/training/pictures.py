@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.store import FieldStore
 from tetgan.fields.vertices import vertex_operator
 from tetgan.meshing.build import build_solid
@@ -31,7 +31,7 @@ def draw_decoded(path: Path, generator: FieldGenerator, store: FieldStore, devic
     save_image(path, contact_sheet(images, SHAPES, row_titles=list(rows)))
 
 
-def _row(fields: Iterator[Field], store: FieldStore) -> Iterator[np.ndarray]:
+def _row(fields: Iterator[Field | VertexField], store: FieldStore) -> Iterator[np.ndarray]:
     """Pictures of the fields, then white up to the length of a row."""
     blank = np.full((SIZE[1], SIZE[0], 3), 255, dtype=np.uint8)
     grid = store.hierarchy.finest

@@ -10,19 +10,19 @@ from torch.utils.tensorboard import SummaryWriter
 
 from tetgan.files import whole_file
 
-COLUMNS = [
+COLUMNS = (
     *("epoch", "seconds", "learning_rate", "kl_weight", "occupancy_loss", "displacement_loss", "kl"),
     *("local_gap", "local_penalty", "global_gap", "global_penalty", "adversarial_loss"),
     *("validation_iou", "validation_occupancy_loss", "validation_displacement_loss"),
-]
+)
 Row = dict[str, float | int]
 
 
 class RunLog:
     """Rows of finished epochs, and sums of the one under way."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
+    def __init__(self, folder: Path, columns: tuple[str, ...] = COLUMNS) -> None:
+        self.folder, self.columns = folder, columns
         self.rows: list[Row] = []
         self.sums: dict[str, list[float]] = defaultdict(lambda: [0.0, 0.0])
         self._writer = SummaryWriter(str(folder / "events"))
@@ -47,7 +47,7 @@ class RunLog:
 
     def _write_csv(self) -> None:
         with whole_file(self.folder / "log.csv") as partial, partial.open("w", newline="") as stream:
-            table = csv.DictWriter(stream, COLUMNS, restval="")
+            table = csv.DictWriter(stream, self.columns, restval="")
             table.writeheader()
             table.writerows({name: _short(value) for name, value in row.items()} for row in self.rows)
 

@@ -1,31 +1,30 @@
-"""Stage: fields in, a trained model out. Killed and run again, it ends with the same weights."""
+"""Stage: fields in, a trained model out."""
 
-import logging
 import math
-import time
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import torch
-from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from torch import Tensor
 
 from tetgan.errors import UserError
 from tetgan.fields.store import FieldStore
 from tetgan.fields.vertices import vertex_operator
 from tetgan.models.baselines.pca import PcaGenerator
-from tetgan.models.options import ModelOptions, PcaOptions, TetganOptions
+from tetgan.models.options import DeftetOptions, ImplicitOptions, ModelOptions, PcaOptions, TetganOptions
 from tetgan.models.registry import build_generator, save_generator
 from tetgan.nn.device import pick_device
-from tetgan.training.checkpoint import load_checkpoint, run_digest, save_checkpoint
+from tetgan.options import Options
+from tetgan.training.baselines.options import BaselineTraining
+from tetgan.training.baselines.trainer import train_baseline
+from tetgan.training.checkpoint import run_digest
 from tetgan.training.data import FieldData
-from tetgan.training.learner import Learner, Losses, step_draws
+from tetgan.training.deftet import DeftetTrainer
+from tetgan.training.learner import Learner
+from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
 from tetgan.training.pictures import draw_decoded
-from tetgan.training.runlog import RunLog
 from tetgan.training.schedule import (
     adversarial_step_due,
     bypass_steps,
@@ -35,35 +34,46 @@ from tetgan.training.schedule import (
 )
 from tetgan.training.validation import validate
 
-log = logging.getLogger(__name__)
-
 SOME_SHAPES = 1024  # from which the latent head starts and the prior is fitted, at most
-# Options that may change between a run and its resumption: the weights do not depend on them.
-WITHOUT_EFFECT = {"device", "validate_every", "picture_every", "checkpoint_seconds"}
 
 
 def train_model(
     index: Path,
     options: ModelOptions,  # type: ignore[valid-type]
-    training: TrainingOptions,
+    training: Options,
     seed: int,
     out_folder: Path,
+    *,
+    of: Path | None = None,
 ) -> None:
-    """Train a model on the training split of an index of fields.
+    """Train a model on the training split of an index of fields; a baseline, of points or voxels.
 
     Args:
-        index: `index.json` of the fields.
+        index: `index.json` of the fields, points or voxels.
+        training: of the class that goes with the model's kind.
         out_folder: receives `options.json` and `weights.safetensors`; for TetGAN also `log.csv`, `events/`
             for TensorBoard, `decoded_*.png`, and `checkpoint.pt`, from which a killed run goes on.
+        of: folder of the trained TetGAN whose boundary a DefTet moves.
 
     Raises:
-        UserError: there are no training shapes, or the training diverges.
+        UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN.
     """
+    if isinstance(options, ImplicitOptions):
+        assert isinstance(training, BaselineTraining)
+        train_baseline(index, options, training, seed, out_folder)
+        return
     store = FieldStore.open(index)
     if not store.ids("train"):
         raise UserError(f"{index}: no training shapes; add shapes to the source")
     if isinstance(options, TetganOptions):
+        assert isinstance(training, TrainingOptions)
         Trainer(store, options, training, seed, out_folder).run()
+        return
+    if isinstance(options, DeftetOptions):
+        assert isinstance(training, TrainingOptions)
+        if of is None:
+            raise UserError("--of: 'deftet' needs the folder of the trained TetGAN whose boundary it moves")
+        DeftetTrainer(store, options, training, seed=seed, of=of, folder=out_folder).run()
         return
     generator = build_generator(options, store.hierarchy)
     if isinstance(options, PcaOptions):
@@ -73,50 +83,37 @@ def train_model(
     save_generator(out_folder, generator, options, store.hierarchy)
 
 
-class Trainer:
-    """One run: the loop over steps, its log, checkpoints and pictures."""
+class Trainer(TrainingLoop):
+    """A run of TetGAN: its data, schedules and pictures."""
 
     def __init__(
         self, store: FieldStore, options: TetganOptions, training: TrainingOptions, seed: int, folder: Path
     ) -> None:
         self.store, self.options, self.training = store, options, training
-        self.seed, self.folder = seed, folder
         self.device = pick_device(training.device)
         self.data, self.held_out = FieldData(store, "train"), FieldData(store, "validation")
         operator = vertex_operator(store.hierarchy.finest)
         self.learner = Learner(options, training, store.hierarchy, operator, seed=seed, device=self.device)
-        self.steps_per_epoch = math.ceil(len(self.data) / training.batch_size)
-        self.steps = self.steps_per_epoch * training.epochs
-        self.bypass = bypass_steps(self.steps, training)
-        self.step, self.seconds = 0, 0.0
-        self.digests = {
+        digests = {
             "options": run_digest(
-                model=options.model_dump(exclude={"training"}),
+                model=options.model_dump(exclude={"training", "meshing"}),
                 training=training.model_dump(exclude=WITHOUT_EFFECT),
                 seed=seed,
             ),
             "data": run_digest(grid=store.hierarchy.digest, train=self.data.digest),
         }
+        super().__init__(
+            folder,
+            seed,
+            epochs=training.epochs,
+            steps_per_epoch=math.ceil(len(self.data) / training.batch_size),
+            checkpoint_seconds=training.checkpoint_seconds,
+            digests=digests,
+        )
+        self.bypass = bypass_steps(self.steps, training)
 
-    def run(self) -> None:
-        """Train to the end, from the checkpoint if there is one of this very run."""
-        self.folder.mkdir(parents=True, exist_ok=True)
-        self.log = RunLog(self.folder)
-        self._resume()
-        self._saved = self._started = time.monotonic()
-        with _deterministic(), self._progress() as advance:
-            while self.step < self.steps:
-                self._take_step()
-                advance()
-                if self.step % self.steps_per_epoch == 0:
-                    self._finish_epoch(self.step // self.steps_per_epoch)
-                if time.monotonic() - self._saved >= self.training.checkpoint_seconds:
-                    self._checkpoint()
-        self._finish()
-
-    def _take_step(self) -> None:
+    def take_step(self, draws: torch.Generator) -> Losses:
         """An autoencoder step, and an adversarial round where one is due."""
-        draws = step_draws(self.seed, self.step)
         self.learner.set_rate(rate_factor(self.step / self.steps, self.training))
         if self.step < self.bypass:
             losses = self.learner.bypass_step(self._batch(), draws)
@@ -127,8 +124,7 @@ class Trainer:
             losses = self.learner.autoencoder_step(self._batch(), weight, draws)
         if adversarial_step_due(self.step, self.steps, self.training):
             losses |= self._adversarial_round(draws)
-        self.log.add(losses)
-        self.step += 1
+        return losses
 
     def _batch(self) -> Tensor:
         """The fields of this step; each epoch has an order of its own."""
@@ -150,10 +146,15 @@ class Trainer:
             losses |= self.learner.critic_step(self.data.batch(rows, self.device), draws)
         return losses | self.learner.adversarial_step(size, draws)
 
-    def _finish_epoch(self, epoch: int) -> None:
+    def finish_epoch(self, epoch: int) -> None:
+        """Validate, draw and fit the prior where that is due.
+
+        Raises:
+            UserError: the training diverges.
+        """
         training, last = self.training, self.step == self.steps
         further = {
-            "seconds": self._elapsed(),
+            "seconds": self.elapsed(),
             "learning_rate": training.learning_rate * rate_factor(self.step / self.steps, training),
             "kl_weight": kl_weight(self.step * training.batch_size, training),
         }
@@ -177,23 +178,11 @@ class Trainer:
             learner.generator, learner.vertices, self.held_out, self.training.batch_size, self.device
         )
 
-    def _resume(self) -> None:
-        state = load_checkpoint(self.folder, self.digests)
-        if state is None:
-            return
-        for name, part in self.learner.parts().items():
-            part.load_state_dict(state["parts"][name])
-        self.log.restore(state["log"])
-        self.step, self.seconds = state["step"], state["seconds"]
-        log.info("resumed at step %d of %d", self.step, self.steps)
+    def parts(self) -> dict[str, Any]:
+        return self.learner.parts()
 
-    def _checkpoint(self, finished: bool = False) -> None:
-        parts = {name: part.state_dict() for name, part in self.learner.parts().items()}
-        state: dict[str, Any] = {"step": self.step, "seconds": self._elapsed(), "finished": finished}
-        save_checkpoint(self.folder, self.digests, state | {"parts": parts, "log": self.log.state()})
-        self._saved = time.monotonic()
-
-    def _finish(self) -> None:
+    def save(self) -> None:
+        """The averaged weights, with the prior fitted to them."""
         with self.learner.average.applied():
             self.learner.fit_prior(self._some_batches())
             save_generator(
@@ -203,29 +192,5 @@ class Trainer:
                 self.store.hierarchy,
                 training=self.training.model_dump(mode="json"),
                 seed=self.seed,
-                minutes=round(self._elapsed() / 60, 2),
+                minutes=round(self.elapsed() / 60, 2),
             )
-        self._checkpoint(finished=True)
-        self.log.close()
-
-    def _elapsed(self) -> float:
-        """Seconds of training, those before a resumption included."""
-        return self.seconds + time.monotonic() - self._started
-
-    @contextmanager
-    def _progress(self) -> Iterator[Any]:
-        columns = TextColumn("training"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-        with Progress(*columns, console=Console(stderr=True)) as bar:
-            task = bar.add_task("training", total=self.steps, completed=self.step)
-            yield lambda: bar.advance(task)
-
-
-@contextmanager
-def _deterministic() -> Iterator[None]:
-    """Algorithms whose result does not depend on timing, where PyTorch has them."""
-    before = torch.are_deterministic_algorithms_enabled()
-    torch.use_deterministic_algorithms(True, warn_only=True)
-    try:
-        yield
-    finally:
-        torch.use_deterministic_algorithms(before)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import shlex
 import sys
 from importlib.util import find_spec
 from pathlib import Path
@@ -17,8 +18,38 @@ except UserError as error:
 SETTINGS = Config.parse(config)
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
 SHOWN_MODELS = [
-    name for name, model in SETTINGS.models.items() if model.kind == "tetgan"
+    name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
+SIMPLIFIED = [
+    name for name, model in SETTINGS.models.items() if model.kind == "simplified"
+]
+TRAINED = [name for name in SETTINGS.models if name not in SIMPLIFIED]
+
+
+SAMPLING_MODULES = [
+    f"fields/{name}" for name in ("arrays", "dataset", "points", "samplings", "voxels")
+]
+
+
+def one_of(names):
+    """Constraint of a wildcard; with no names nothing matches."""
+    return "|".join(names) or "(?!)"
+
+
+FIGURE_MODELS = SETTINGS.figures.models or SHOWN_MODELS
+LOGGED_MODELS = [
+    name
+    for name in SETTINGS.table_models
+    if SETTINGS.models[name].kind not in ("representation", "pca", "simplified")
+]
+
+# Those of the ablation that are trained: some take over the weights of another and mesh differently.
+ABLATED_MODELS = [
+    name for name in config["ablation"] if SETTINGS.trained_as(name) == name
+]
+
+# Every table and figure of the target `paper`: each file of rules adds its own.
+PAPER_TARGETS = []
 
 
 def stage_digest(*rooms):
@@ -49,8 +80,18 @@ def section(*keys):
     return lookup
 
 
+def model_options(wildcards):
+    """What a model is built from. How it is meshed plays no part in its training."""
+    options = SETTINGS.models[wildcards.model]
+    return options.model_dump_json(exclude={"training", "meshing"})
+
+
 def training_options(wildcards):
     return SETTINGS.training_of(wildcards.model).model_dump_json()
+
+
+def meshing_options(wildcards):
+    return SETTINGS.meshing_of(wildcards.model).model_dump_json()
 
 
 def identity(wildcards):
@@ -60,19 +101,30 @@ def identity(wildcards):
         {
             "category": wildcards.category,
             "model": wildcards.model,
-            "grid": model.grid,
+            "grid": getattr(model, "grid", ""),
+            "sampling": getattr(model, "sampling", None),
             "mode": wildcards.mode,
             "seed": int(wildcards.seed),
+            "simplified": model.kind == "simplified",
             "reduced": SETTINGS.reductions(wildcards.model),
         }
     )
 
 
-def model_fields(wildcards):
-    """Index and shards of the fields that a model learns from."""
-    folder = (
-        f"<results>/fields/{wildcards.category}/{SETTINGS.models[wildcards.model].grid}"
+def ablation_changes(wildcards):
+    """How each model of the ablation differs from the full one, in words."""
+    return json.dumps(
+        {name: SETTINGS.changes(name) for name in SETTINGS.ablation}, ensure_ascii=False
     )
+
+
+def model_fields(wildcards):
+    """Index and shards of the fields, or of the points or voxels, that a model learns from."""
+    model = SETTINGS.models[wildcards.model]
+    if hasattr(model, "grid"):
+        folder = f"<results>/fields/{wildcards.category}/{model.grid}"
+    else:
+        folder = f"<results>/samplings/{wildcards.category}/{model.sampling}"
     return {
         "index": f"{folder}/index.json",
         "shards": [
@@ -80,6 +132,42 @@ def model_fields(wildcards):
             for part in shard_numbers()
         ],
     }
+
+
+def trained_model(wildcards, model=None):
+    """Weights and options of a model, which are another's where only the meshing differs."""
+    name = SETTINGS.trained_as(model or wildcards.model)
+    folder = f"<results>/models/{wildcards.category}/{name}/{wildcards.seed}"
+    return {
+        "weights": f"{folder}/weights.safetensors",
+        "options": f"{folder}/options.json",
+    }
+
+
+def training_inputs(wildcards):
+    """Fields, and for a model that stands on another, as DefTet does, the weights of that one."""
+    inputs = model_fields(wildcards)
+    options = SETTINGS.models[wildcards.model]
+    if options.kind == "deftet":
+        inputs["of"] = trained_model(wildcards, options.of)["weights"]
+    return inputs
+
+
+def standing_on(wildcards, input):
+    """Option that names the model under another one."""
+    return (
+        f"--of {shlex.quote(str(Path(input.of).parent))}"
+        if "of" in input.keys()
+        else ""
+    )
+
+
+def simplified_samples(wildcards):
+    """Samples of the model that a simplified one is made from."""
+    of = SETTINGS.models[wildcards.model].of
+    return (
+        f"<results>/samples/{wildcards.category}/{of}/{wildcards.seed}/{wildcards.mode}"
+    )
 
 
 def shard_numbers():

@@ -4,11 +4,25 @@ Inputs: folders of samples, repaired meshes, hold-out clouds, the extractor. Out
 model, seed and mode; one table a category, as CSV and as Markdown.
 """
 
+# Behind the rows of a category's table, which stays a wildcard.
+MODEL_METRICS = expand(
+    "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
+    model=SETTINGS.table_models,
+    seed=config["seeds"],
+    mode="paper",
+)
+REAL_METRICS = "<results>/metrics/{category}/real.json"
+
+PAPER_TARGETS += expand(
+    "<results>/tables/{category}.csv", category=config["categories"]
+)
+
 
 rule evaluate_model:
     input:
         samples="<results>/samples/{category}/{model}/{seed}/{mode}",
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
+        catalogue="<results>/data/{category}/catalogue.csv",
         clouds="<results>/clouds/{category}.npz",
         extractor="<results>/extractor/weights.safetensors",
     output:
@@ -29,7 +43,7 @@ rule evaluate_model:
         code=stage_digest("models/pointnet2", "evaluation"),
     shell:
         "tetgan metrics {input.samples:q} {input.meshes:q} {output.metrics:q} --clouds {input.clouds:q}"
-        " --extractor {params.extractor:q} --identity {params.identity:q} --options {params.options:q}"
+        " --catalogue {input.catalogue:q} --extractor {params.extractor:q} --identity {params.identity:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"
 
 
@@ -62,13 +76,8 @@ rule evaluate_real:
 
 rule make_table:
     input:
-        models=expand(
-            "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
-            model=config["models"],
-            seed=config["seeds"],
-            mode="paper",
-        ),
-        real="<results>/metrics/{category}/real.json",
+        models=MODEL_METRICS,
+        real=REAL_METRICS,
         paper=workflow.source_path("../resources/paper_tables.csv"),
     output:
         table=report(

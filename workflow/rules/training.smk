@@ -1,13 +1,13 @@
 """Training: one generator a model and seed, and the one classifier whose features FID and KID compare.
 
-Inputs: fields of a category; point clouds of every category. Outputs: weights, the options used, a log.
+Inputs: fields, points or voxels of a category; point clouds of every category. Outputs: weights, the options used, a log.
 A killed training resumes from its checkpoint, which stands beside the outputs and is none of them.
 """
 
 
 rule train_model:
     input:
-        unpack(model_fields),
+        unpack(training_inputs),
     output:
         weights="<results>/models/{category}/{model}/{seed}/weights.safetensors",
         options="<results>/models/{category}/{model}/{seed}/options.json",
@@ -15,6 +15,8 @@ rule train_model:
         "<logs>/train_model/{category}/{model}/{seed}.log",
     benchmark:
         "<benchmarks>/train_model/{category}/{model}/{seed}.tsv"
+    wildcard_constraints:
+        model=one_of(TRAINED),
     priority: 1  # the longest jobs start first
     conda:
         "../envs/tetgan.yaml"
@@ -23,12 +25,14 @@ rule train_model:
         mem_mb=training_mem_mb,
     params:
         folder=subpath(output.weights, parent=True),
-        model=section("models", "{model}"),
+        model=model_options,
         training=training_options,
+        of=standing_on,
         code=stage_digest("nn", "models", "training"),
     shell:
         "tetgan train {input.index:q} {params.folder:q} --model {params.model:q}"
-        " --training {params.training:q} --seed {wildcards.seed} --threads {threads} >{log:q} 2>&1"
+        " --training {params.training:q} --seed {wildcards.seed} --threads {threads} {params.of}"
+        " >{log:q} 2>&1"
 
 
 rule train_extractor:

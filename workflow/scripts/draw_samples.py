@@ -1,88 +1,58 @@
 """Validation shapes beside their reconstructions, random samples, and samples cut open, on one sheet."""
 
 import sys
-from itertools import islice
 from pathlib import Path
 
-import meshio
-import numpy as np
 import pandas as pd
-import trimesh
 
-from tetgan.rendering.cutaway import cut_solid
-from tetgan.rendering.raycast import render_mesh
-from tetgan.rendering.sheet import contact_sheet, save_image
-from tetgan.shapes.archive import read_meshes
-
-COLUMNS = 8
-SIZE = (300, 300)
-BLANK = np.full((SIZE[1], SIZE[0], 3), 255, dtype=np.uint8)
-
-
-def picture(vertices, faces, **options):
-    return render_mesh(np.asarray(vertices, float), np.asarray(faces), size=SIZE, span=1.3, **options)
-
-
-def surface_picture(path: Path):
-    """A surface, or an empty cell where the model produced nothing."""
-    if not path.exists():
-        return BLANK
-    mesh = trimesh.load(path, process=False)
-    return picture(mesh.vertices, mesh.faces)
+from tetgan.rendering.figure import Row, draw_rows
+from tetgan.rendering.meshes import (
+    CUT,
+    CUT_AZIMUTH,
+    cut_open,
+    finished_samples,
+    read_originals,
+    read_shape,
+    read_solid,
+    sample_ids,
+)
+from tetgan.rendering.sheet import save_image
+from tetgan.rendering.view import View
 
 
-def cut_picture(path: Path):
-    """A solid without the half of it that is nearer, so that its inside shows."""
-    if not path.exists():
-        return BLANK
-    solid = meshio.read(path)
-    normal = np.array([1.0, 0.0, 0.35])
-    middle = (solid.points.min(axis=0) + solid.points.max(axis=0)) / 2
-    vertices, faces, colors = cut_solid(
-        solid.points, solid.cells_dict["tetra"].astype(np.int64), normal, float(middle @ normal)
-    )
-    return picture(vertices, faces, colors=colors, azimuth=60)
-
-
-def row_of(pictures):
-    return (list(pictures) + [BLANK] * COLUMNS)[:COLUMNS]
-
-
-def ids_of(folder: Path, kind: str) -> list[str]:
-    certificate = pd.read_csv(folder / "certificate.csv", dtype={"id": str})
-    return certificate.loc[certificate["set"] == kind, "id"].tolist()[:COLUMNS]
-
-
-def model_rows(samples: Path, name: str):
+def model_rows(samples: Path, name: str, columns: int) -> list[Row]:
     """Rows of one model: reconstructions, samples, samples cut open; all smoothed (Eq. 4)."""
-    folder = samples / "wls"
-    reconstructed = [folder / "reconstructed" / f"{i}.ply" for i in ids_of(folder, "reconstructed")]
-    generated = [folder / "generated" / f"{i}.ply" for i in ids_of(folder, "generated")]
-    yield f"{name}\nreconstructed", row_of(map(surface_picture, reconstructed))
-    yield f"{name}\nsampled", row_of(map(surface_picture, generated))
-    yield f"{name}\ncut open", row_of(cut_picture(path.with_suffix(".vtu")) for path in generated)
+    folder = finished_samples(samples)
+    reconstructed, generated = (
+        [folder / kind / f"{shape_id}.ply" for shape_id in sample_ids(folder, kind, columns)]
+        for kind in ("reconstructed", "generated")
+    )
+    solids = [read_solid(path.with_suffix(".vtu")) for path in generated]
+    return [
+        Row(f"{name}\nreconstructed", [read_shape(path) for path in reconstructed], ruled=True),
+        Row(f"{name}\nsampled", [read_shape(path) for path in generated]),
+        Row(f"{name}\ncut open", [cut_open(solid, CUT) for solid in solids], azimuth=CUT_AZIMUTH),
+    ]
 
 
-def original_row(archives: list[str], wanted: list[str]):
-    meshes = (mesh for archive in archives for mesh in read_meshes(Path(archive)) if mesh[0] in set(wanted))
-    found = {shape_id: picture(vertices, faces) for shape_id, vertices, faces in islice(meshes, len(wanted))}
-    return "validation\nshapes", row_of(found[shape_id] for shape_id in wanted)
-
-
-def draw(samples: list[str], names: list[str], archives: list[str], out: str) -> None:
-    wanted = ids_of(Path(samples[0]) / "wls", "reconstructed")
-    rows = [original_row(archives, wanted)]
+def draw(samples: list[Path], names: list[str], archives: list[str], columns: int, out: Path) -> None:
+    wanted = sample_ids(finished_samples(samples[0]), "reconstructed", columns)
+    rows = [Row("validation\nshapes", read_originals(archives, wanted))]
+    shown = []
     for folder, name in zip(samples, names, strict=True):
-        rows += model_rows(Path(folder), name)
-    pictures = [cell for _, row in rows for cell in row]
-    save_image(out, contact_sheet(pictures, COLUMNS, row_titles=[title for title, _ in rows]))
+        rows += model_rows(folder, name, columns)
+        shown += [(name, "generated", i) for i in sample_ids(finished_samples(folder), "generated", columns)]
+    shown += [("", "validation", shape_id) for shape_id in wanted]
+    save_image(out, draw_rows(rows, View()))
+    pd.DataFrame(shown, columns=["model", "set", "id"]).to_csv(out.with_suffix(".csv"), index=False)
 
 
 with Path(snakemake.log[0]).open("w") as log:
     sys.stdout = sys.stderr = log
     draw(
-        list(snakemake.input.samples),
+        [Path(folder) for folder in snakemake.input.samples],
         list(snakemake.params.names),
         list(snakemake.input.meshes),
-        snakemake.output.picture,
+        snakemake.params.columns,
+        Path(snakemake.output.picture),
     )

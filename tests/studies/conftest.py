@@ -1,0 +1,77 @@
+"""Stools, chairs and tables made of boxes, their meshes, fields, and a model that knows them by heart."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+from tetgan.fields.extract import extract_field
+from tetgan.fields.shard import write_shard
+from tetgan.fields.store import FieldStore, index_fields
+from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.grids.options import GridOptions
+from tetgan.models.baselines.pca import PcaGenerator
+from tetgan.models.options import PcaOptions
+from tetgan.models.registry import save_generator
+from tetgan.shapes.archive import write_meshes
+
+Mesh = tuple[np.ndarray, np.ndarray]
+HIERARCHY = build_hierarchy(1, 2)
+TRAIN = 8
+
+
+def boxes(*bounds: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Mesh:
+    mesh = trimesh.util.concatenate([trimesh.creation.box(bounds=pair) for pair in bounds])
+    return np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
+
+
+def seat(width: float, *, base: float = 0.0, back: bool = False) -> Mesh:
+    """A block of a width, with or without a back above it."""
+    low, high = 0.5 - width / 2, 0.5 + width / 2
+    parts = [((low, base, 0.1), (high, 0.5, 0.9))]
+    if back:
+        parts.append(((low, 0.5, 0.1), (high, 1.0, 0.35)))
+    return boxes(*parts)
+
+
+# The last five are for validation: the first two differ in the back alone, the next two in their width, and
+# the last has nothing in common with the others but its middle.
+MESHES: dict[str, Mesh] = {
+    **{f"train-{i}": seat(0.3 + 0.08 * i, base=0.04 * (i % 3), back=i % 2 == 0) for i in range(TRAIN)},
+    "wide-back": seat(0.9, back=True),
+    "wide": seat(0.9),
+    "middle": seat(0.6),
+    "narrow": seat(0.35),
+    "pole": boxes(((0.45, 0.0, 0.45), (0.55, 1.0, 0.55))),
+}
+
+
+@pytest.fixture(scope="session")
+def project(tmp_path_factory) -> Path:
+    """Folder with meshes.zip, catalogue.csv and index.json."""
+    folder = tmp_path_factory.mktemp("project")
+    write_meshes(folder / "meshes.zip", ((name, *mesh) for name, mesh in MESHES.items()), [])
+    rows = [f"{name},{'train' if name.startswith('train') else 'validation'}" for name in MESHES]
+    (folder / "catalogue.csv").write_text("\n".join(["id,split", *rows]) + "\n")
+    fields = (extract_field(*mesh, HIERARCHY.finest) for mesh in MESHES.values())
+    write_shard(folder / "1.zarr.zip", list(MESHES), fields, HIERARCHY.digest)
+    grid = GridOptions.parse({"cells": 1, "depth": 2})
+    index_fields([folder / "1.zarr.zip"], folder / "catalogue.csv", grid, folder / "index.json")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def store(project) -> FieldStore:
+    return FieldStore.open(project / "index.json")
+
+
+@pytest.fixture(scope="session")
+def model(project, store) -> Path:
+    """PCA with as many components as there are shapes, fitted to all of them: it decodes what it encodes."""
+    options = PcaOptions(kind="pca", grid="tiny", components=len(MESHES))
+    generator = PcaGenerator(options, store.hierarchy)
+    tensor = store.tensor(list(MESHES))
+    generator.fit(lambda part: tensor[:, part])
+    save_generator(project / "model", generator, options, store.hierarchy)
+    return project / "model"

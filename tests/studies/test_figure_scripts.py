@@ -1,0 +1,128 @@
+"""The scripts that draw the figures, run as Snakemake runs them, on a model of boxes."""
+
+import runpy
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+
+from tetgan.meshing.options import MeshingOptions
+from tetgan.models.samples import write_samples
+from tetgan.studies.arithmetic import write_arithmetic
+from tetgan.studies.figure_options import LatentOptions, NearestOptions
+from tetgan.studies.interpolation import write_interpolations
+from tetgan.studies.nearest import write_nearest
+
+SCRIPTS = Path(__file__).parent.parent.parent / "workflow" / "scripts"
+LATENT = LatentOptions(pairs=1, steps=3, triples=1, points=300)
+
+
+@pytest.fixture(scope="module")
+def made(project, model, tmp_path_factory) -> Path:
+    """Samples, an interpolation, a sum, nearest shapes and a log."""
+    folder = tmp_path_factory.mktemp("made")
+    index, meshing = project / "index.json", MeshingOptions()
+    write_samples(model, index, folder / "samples", count=4, options=meshing, seed=0)
+    write_interpolations(model, index, folder / "between", options=LATENT, meshing=meshing)
+    write_arithmetic(model, index, folder / "sums", options=LATENT, meshing=meshing)
+    nearest = NearestOptions(points=300)
+    for name, samples in (("model", folder / "samples"), ("real", None)):
+        out = folder / f"{name}.csv"
+        write_nearest(
+            [project / "meshes.zip"], project / "catalogue.csv", out, samples=samples, options=nearest
+        )
+    log = {"seconds": [60, 120], "occupancy_loss": [1.0, 0.5], "validation_iou": [0.2, 0.4]}
+    pd.DataFrame(log).to_csv(folder / "log.csv", index=False)
+    return folder
+
+
+@pytest.fixture
+def draw(made, project, tmp_path, monkeypatch):
+    """A figure by the name of its script: the picture and the table beside it."""
+
+    def run(name: str, **inputs) -> tuple[np.ndarray, pd.DataFrame]:
+        for stream in ("stdout", "stderr"):
+            monkeypatch.setattr(sys, stream, getattr(sys, stream))  # gives back what the script takes
+        out = tmp_path / f"{name}.png"
+        job = SimpleNamespace(
+            input=SimpleNamespace(meshes=[str(project / "meshes.zip")], **inputs),
+            params=SimpleNamespace(names=["a-model"], columns=4, seeds=[0]),
+            output=SimpleNamespace(picture=str(out)),
+            log=[str(tmp_path / "log")],
+        )
+        runpy.run_path(str(SCRIPTS / f"draw_{name}.py"), init_globals={"snakemake": job})
+        return np.asarray(Image.open(out)), pd.read_csv(out.with_suffix(".csv"), dtype={"id": str})
+
+    return run
+
+
+def cells_with_ink(picture: np.ndarray, size: int, columns: int) -> list[int]:
+    """How many of the cells of each row of pictures, from the right, hold more than text."""
+    right = picture[:, picture.shape[1] - columns * size :]
+    covered = (right < 235).any(axis=2).reshape(len(right), columns, size).mean(axis=2) > 0.1
+    # Runs of lines that any shape covers are rows of pictures.
+    edges = np.flatnonzero(np.diff(np.r_[False, covered.any(axis=1), False].astype(int)))
+    rows = [covered[start:stop] for start, stop in edges.reshape(-1, 2) if stop - start > size / 4]
+    return [int(row.any(axis=0).sum()) for row in rows]
+
+
+def test_samples(draw, made):
+    picture, table = draw("samples", samples=[str(made / "samples")])
+    assert picture.shape[1] > 4 * 300 and picture.shape[0] == 4 * 300
+    assert cells_with_ink(picture, 300, 4) == [4, 4, 4, 4]
+    assert table.groupby("set").size().to_dict() == {"generated": 4, "validation": 4}
+
+
+def test_comparison(draw, made):
+    picture, table = draw("comparison", samples=[str(made / "samples")])
+    assert picture.shape[0] == 2 * 260
+    assert cells_with_ink(picture, 260, 4) == [4, 4]
+    assert table["model"].tolist() == 4 * ["real"] + 4 * ["a-model"] and (table["faces"] > 0).all()
+
+
+def test_interpolation(draw, made):
+    picture, table = draw("interpolation", folders=[str(made / "between")])
+    assert picture.shape[1] > 5 * 260
+    assert cells_with_ink(picture, 260, 5) == [5, 3]
+    assert table["t"].tolist() == [0, 0.5, 1]
+
+
+def test_arithmetic(draw, made):
+    picture, table = draw("arithmetic", folders=[str(made / "sums")])
+    assert cells_with_ink(picture, 360, 4) == [4]
+    assert table["model"].tolist() == ["a-model"]
+    # The back is added in purple on A and in green on D.
+    a, d = (
+        picture[:, picture.shape[1] - 360 * place :][:, :360].reshape(-1, 3).astype(int) for place in (4, 1)
+    )
+    assert ((a[:, 2] - a[:, 1]) > 60).mean() > 0.01
+    assert ((d[:, 1] - d[:, 0]) > 60).mean() > 0.01
+
+
+def test_solids(draw, made):
+    picture, table = draw("solids", samples=[str(made / "samples")])
+    assert picture.shape[1] > 6 * 320
+    assert all(count >= 5 for count in cells_with_ink(picture, 320, 6))
+    assert len(table) == 3 and (table["voids"] == 0).all()
+
+
+def test_nearest(draw, made):
+    tables = {"tables": [str(made / "model.csv")], "real": str(made / "real.csv")}
+    picture, table = draw("nearest", samples=[str(made / "samples")], **tables)
+    assert cells_with_ink(picture, 300, 4) == [4, 4]
+    assert table.groupby("model").size().to_dict() == {"a-model": 4, "real": 4}
+
+
+def test_training(draw, made):
+    picture, table = draw("training", weights=[str(made / "weights.safetensors")])
+    assert picture.shape[1] == 1440 and (picture < 200).any()
+    assert table["validation_iou"].tolist() == [0.2, 0.4]
+
+
+def test_training_without_a_log(draw, made, tmp_path):
+    _, table = draw("training", weights=[str(tmp_path / "weights.safetensors")])
+    assert table.empty

@@ -1,0 +1,142 @@
+"""Stage: the training shape nearest to each sample, which tells what is new from what is remembered."""
+
+import logging
+import math
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from rich.console import Console
+from rich.progress import track
+
+from tetgan.errors import UserError
+from tetgan.evaluation.chamfer import SurfaceSample, chamfer, nearest
+from tetgan.evaluation.seeds import named_seed
+from tetgan.evaluation.surfaces import Surface, draw_sample, read_surface
+from tetgan.evaluation.threads import map_threads
+from tetgan.files import whole_file
+from tetgan.rendering.meshes import finished_samples
+from tetgan.shapes.archive import read_meshes
+from tetgan.shapes.catalogue import read_catalogue
+from tetgan.shapes.loading import MESH_SUFFIXES
+from tetgan.studies.figure_options import NearestOptions
+
+log = logging.getLogger(__name__)
+
+# Points of each surface by which far candidates are dismissed, round by round, and how many standard errors
+# a candidate must lie behind the best one to be so.
+_PROBES = (256, 2048)
+_ERRORS = 5.0
+
+
+def write_nearest(
+    meshes: Sequence[Path],
+    catalogue: Path,
+    out: Path,
+    *,
+    samples: Path | None,
+    options: NearestOptions,
+    threads: int = 1,
+) -> None:
+    """Find the training shape nearest to every sample by Chamfer distance.
+
+    Args:
+        meshes, catalogue: shards of repaired meshes, and the catalogue that splits them.
+        out: CSV to write: `id`, `nearest` (id of the training shape) and `chamfer`; the last two are empty
+            for a sample without a surface.
+        samples: folder of meshes, or of a model's samples; without one, the validation shapes are looked
+            up, which tells how near a real new shape is.
+        threads: KD-tree queries side by side.
+
+    Raises:
+        UserError: no samples, or no training shape in the shards.
+    """
+    wanted = None if samples is None else _meshes_of(samples)
+    table = read_catalogue(catalogue)
+    split = dict(zip(table["id"], table["split"], strict=True))
+    training = {
+        shape_id: shape
+        for shape_id, shape in _sampled(_real(meshes, split, "train"), "training", options).items()
+        if shape is not None
+    }
+    if not training:
+        raise UserError(f"{catalogue}: no training shape is in the meshes; give all shards of the category")
+    shapes = _sampled(wanted or _real(meshes, split, "validation"), "looked up", options, options.samples)
+    ids, candidates = list(training), list(training.values())
+    found = map_threads(
+        lambda shape: find_nearest(shape, candidates), list(shapes.values()), threads, "nearest"
+    )
+    rows = [
+        (shape_id, "" if row is None else ids[row], distance)
+        for shape_id, (row, distance) in zip(shapes, found, strict=True)
+    ]
+    with whole_file(out) as partial:
+        pd.DataFrame(rows, columns=["id", "nearest", "chamfer"]).to_csv(partial, index=False)
+
+
+def find_nearest(
+    shape: SurfaceSample | None, candidates: Sequence[SurfaceSample]
+) -> tuple[int | None, float]:
+    """The candidate at the smallest Chamfer distance, and that distance; none and nan for no shape.
+
+    Most candidates are dismissed by a part of the points: the points of a sample are in random order, so the
+    first of them estimate the distance without bias.
+    """
+    if shape is None or not len(candidates):
+        return None, math.nan
+    rows = np.arange(len(candidates))
+    for probes in _PROBES:
+        if len(rows) > 1 and probes < len(shape.points):
+            estimates = [_estimate(shape, candidates[row], probes) for row in rows]
+            middle, error = np.array(estimates).T
+            rows = rows[middle - _ERRORS * error <= (middle + _ERRORS * error).min()]
+    distances = [chamfer(shape, candidates[row]) for row in rows]
+    best = int(np.argmin(distances))
+    return int(rows[best]), distances[best]
+
+
+def _estimate(first: SurfaceSample, second: SurfaceSample, probes: int) -> tuple[float, float]:
+    """Chamfer distance from some of the points, and its standard error."""
+    squares = [
+        nearest(source.points[:probes], target)[0] ** 2
+        for source, target in ((first, second), (second, first))
+    ]
+    return sum(s.mean() for s in squares), math.sqrt(sum(s.var() / len(s) for s in squares))
+
+
+def _real(meshes: Sequence[Path], split: dict[str, str], name: str) -> Iterator[tuple[str, Surface | None]]:
+    """Repaired meshes of a split."""
+    for path in meshes:
+        for shape_id, vertices, faces in read_meshes(path):
+            if split.get(shape_id) == name:
+                yield shape_id, Surface(vertices, faces)
+
+
+def _meshes_of(folder: Path) -> Iterator[tuple[str, Surface | None]]:
+    """The surfaces of a folder by name, None for an empty one; read as they are asked for.
+
+    Raises:
+        UserError: no meshes.
+    """
+    generated = finished_samples(folder) / "generated"
+    where = generated if generated.is_dir() else folder
+    paths = sorted(path for path in where.glob("*") if path.suffix.lower() in MESH_SUFFIXES)
+    if not paths:
+        raise UserError(f"{where}: no meshes ({', '.join(sorted(MESH_SUFFIXES))}) in this folder")
+    return ((path.stem, read_surface(path)) for path in paths)
+
+
+def _sampled(
+    surfaces: Iterator[tuple[str, Surface | None]],
+    label: str,
+    options: NearestOptions,
+    most: int | None = None,
+) -> dict[str, SurfaceSample | None]:
+    """Points on each of the first surfaces. The label keeps equal ids from drawing equal points."""
+    progress = track(islice(surfaces, most), label, console=Console(stderr=True), transient=True)
+    return {
+        shape_id: surface and draw_sample(surface, options.points, named_seed(options.seed, label, shape_id))
+        for shape_id, surface in progress
+    }

@@ -1,0 +1,1 @@
+"""How the systems that TetGAN is compared with are trained."""

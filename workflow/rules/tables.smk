@@ -1,0 +1,125 @@
+"""Tables across categories, gathered from what other stages measured: the supplement's three, manifold edges, data
+set, time and memory.
+
+Inputs: metrics of every model and of the real shapes, catalogues, and the benchmark files that are there.
+Outputs: one table each, as CSV and as Markdown.
+"""
+
+ALL_METRICS = expand(
+    [*MODEL_METRICS, REAL_METRICS],
+    category=config["categories"],
+)
+
+PAPER_TARGETS += expand(
+    "<results>/tables/{name}.csv",
+    name=["fid", "variety", "reconstruction", "manifold", "dataset", "runtime"],
+)
+
+
+rule gather_supplement:
+    input:
+        metrics=ALL_METRICS,
+        paper=workflow.source_path("../resources/paper_tables.csv"),
+    output:
+        table=report(
+            "<results>/tables/{figure}.csv",
+            caption="../report/supplement.rst",
+            category="Tables",
+            labels={"table": "{figure}"},
+        ),
+        readable="<results>/tables/{figure}.md",
+    log:
+        "<logs>/gather_supplement/{figure}.log",
+    wildcard_constraints:
+        figure="fid|variety|reconstruction",
+    conda:
+        "../envs/tetgan.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=stage_digest("evaluation"),
+    shell:
+        "tetgan supplement {input.metrics:q} {output.table:q} --figure {wildcards.figure}"
+        " --paper {input.paper:q} >{log:q} 2>&1"
+
+
+rule gather_manifold:
+    input:
+        metrics=ALL_METRICS,
+        paper=workflow.source_path("../resources/paper_tables.csv"),
+    output:
+        table=report(
+            "<results>/tables/manifold.csv",
+            caption="../report/manifold.rst",
+            category="Tables",
+            labels={"table": "manifold"},
+        ),
+        readable="<results>/tables/manifold.md",
+    log:
+        "<logs>/gather_manifold.log",
+    conda:
+        "../envs/tetgan.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=stage_digest("evaluation"),
+    shell:
+        "tetgan manifold {input.metrics:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
+
+
+rule gather_dataset:
+    input:
+        catalogues=expand(
+            "<results>/data/{category}/catalogue.csv", category=config["categories"]
+        ),
+        paper=workflow.source_path("../resources/paper_tables.csv"),
+    output:
+        table=report(
+            "<results>/tables/dataset.csv",
+            caption="../report/dataset.rst",
+            category="Tables",
+            labels={"table": "dataset"},
+        ),
+        readable="<results>/tables/dataset.md",
+    log:
+        "<logs>/gather_dataset.log",
+    conda:
+        "../envs/tetgan.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=stage_digest("evaluation"),
+    shell:
+        "tetgan dataset {input.catalogues:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
+
+
+# Benchmark files are read as they are found and are no inputs: one that is missing must not run its stage again.
+rule gather_runtime:
+    input:
+        metrics=ALL_METRICS,
+        catalogues=expand(
+            "<results>/data/{category}/catalogue.csv", category=config["categories"]
+        ),
+        clouds=expand("<results>/clouds/{category}.npz", category=config["categories"]),
+        paper=workflow.source_path("../resources/paper_tables.csv"),
+    output:
+        table=report(
+            "<results>/tables/runtime.csv",
+            caption="../report/runtime.rst",
+            category="Tables",
+            labels={"table": "runtime"},
+        ),
+        readable="<results>/tables/runtime.md",
+    log:
+        "<logs>/gather_runtime.log",
+    conda:
+        "../envs/tetgan.yaml"
+    resources:
+        mem_mb=1000,
+    params:
+        results=subpath(output.table, ancestor=2),
+        shards=config["shards"],
+        code=stage_digest("evaluation"),
+    shell:
+        "tetgan runtime {input.metrics:q} {output.table:q} --results {params.results:q}"
+        " --shards {params.shards} --paper {input.paper:q} >{log:q} 2>&1"
