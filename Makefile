@@ -26,7 +26,7 @@ chair: setup  ## The main job: raw meshes in, results/tables/chair.csv out
 	$(BIN)/snakemake --cores $(CORES) results/tables/chair.csv results/figures/chair/samples.png
 
 paper: setup  ## Every table and figure that a config holds: make paper CONFIG=config/overnight.yaml
-	$(BIN)/snakemake paper --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
+	$(BIN)/snakemake --cores $(CORES) $(if $(CONFIG),--configfile=$(CONFIG)) paper
 
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
 	$(BIN)/snakemake --cores $(CORES) --configfile=config/smoke.yaml results/smoke/tables/chair.csv

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.evaluation.coverage import set_measures
+from tetgan.evaluation.coverage import nearest_neighbor_accuracy, set_measures
 from tetgan.evaluation.twosets import TwoSets, bootstrap_measures, two_sets
 
 
@@ -118,12 +118,16 @@ def test_intervals_surround_the_value_and_repeat():
     assert bootstrap_measures(set_measures, sets, 100, 0.95, np.random.default_rng(1)) == ends
 
 
+def only_nna(sets: TwoSets) -> dict[str, float]:
+    return {"nna": nearest_neighbor_accuracy(sets)}
+
+
 def test_the_interval_of_1_nna_covers_the_truth_about_as_often_as_it_says():
-    # Two draws from one distribution: the truth is 1/2. 100 trials at 90 %: the binomial deviation is 3 %.
+    # Two draws from one distribution: the truth is 1/2. 60 trials at 90 %: the binomial deviation is 4 %.
     rng = np.random.default_rng(0)
     covered = 0
-    for _ in range(100):
-        sets = of_points(*rng.normal(size=(2, 40, 2)))
-        ends = bootstrap_measures(set_measures, sets, 100, 0.9, rng)["nna"]
+    for _ in range(60):
+        sets = of_points(*rng.normal(size=(2, 30, 2)))
+        ends = bootstrap_measures(only_nna, sets, 50, 0.9, rng)["nna"]
         covered += ends.low <= 0.5 <= ends.high
-    assert covered >= 80
+    assert covered >= 48

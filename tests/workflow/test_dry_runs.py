@@ -30,7 +30,6 @@ def test_a_config_plans_everything_it_holds(project, name):
 @pytest.mark.parametrize("name", ["overnight.yaml", "paper.yaml"])
 def test_the_large_configs_hold_all_six_categories(name):
     config = yaml.safe_load((ROOT / "config" / name).read_text())
-    assert set(config["categories"]) == set(config["sources"])
     assert set(config["categories"]) == {"chair", "sofa", "bench", "table", "car", "vase"}
 
 
@@ -46,7 +45,6 @@ def test_a_source_that_is_not_there_is_named_in_one_line(project):
 def test_a_profile_names_rules_that_exist(path):
     profile = yaml.safe_load(path.read_text())
     named = {*profile.get("set-resources", {}), *profile.get("set-threads", {})}
-    assert named
     assert named <= rule_names()
 
 

@@ -221,7 +221,7 @@ def _generated_clouds(
 
 def _generated_features(
     clouds: Float[np.ndarray, "N P 3"], yardstick: _Yardstick
-) -> Float[np.ndarray, "N F"] | None:
+) -> Float[np.ndarray, "M F"] | None:
     """Features of as many generated surfaces as there are hold-out clouds, sampled as finely as those."""
     needed = yardstick.options.samples
     if yardstick.holdout.features is None or len(clouds) < needed:

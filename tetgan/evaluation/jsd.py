@@ -1,7 +1,7 @@
 """Jensen–Shannon divergence of where two sets of shapes have their surfaces."""
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from tetgan.evaluation.intervals import Interval, recentered_interval, resample_counts
 
@@ -9,14 +9,14 @@ CELLS = 28
 """Cells along a side of the unit cube (Achlioptas et al. 2018, section 3)."""
 
 
-def cell_counts(clouds: Float[np.ndarray, "N P 3"]) -> Int[np.ndarray, "N K"]:
+def cell_counts(clouds: Float[np.ndarray, "N P 3"]) -> Float[np.ndarray, "N K"]:
     """Points of every cloud in each of the 28³ cells of the unit cube.
 
     A point outside the cube counts in the cell nearest to it.
     """
     cell = np.clip((clouds * CELLS).astype(np.int64), 0, CELLS - 1)
     place = (cell[..., 0] * CELLS + cell[..., 1]) * CELLS + cell[..., 2]
-    return np.stack([np.bincount(each, minlength=CELLS**3) for each in place])
+    return np.stack([np.bincount(each, minlength=CELLS**3) for each in place]).astype(np.float64)
 
 
 def jensen_shannon(first: Float[np.ndarray, "K"], second: Float[np.ndarray, "K"]) -> float:
@@ -45,9 +45,7 @@ def jsd_interval(
     """Bootstrap over the shapes of both sets, moved onto the value because fewer shapes raise it."""
     counts = [cell_counts(clouds) for clouds in (first, second)]
     occupied = sum(each.sum(0) for each in counts) > 0
-    histograms = [
-        resample_counts(len(each), resamples, rng) @ each[:, occupied].astype(np.float64) for each in counts
-    ]
+    histograms = [resample_counts(len(each), resamples, rng) @ each[:, occupied] for each in counts]
     values = np.array([jensen_shannon(a, b) for a, b in zip(*histograms, strict=True)])
     return recentered_interval(jsd(first, second), values, level)
 

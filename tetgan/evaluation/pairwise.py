@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from rich.console import Console
 from rich.progress import track
 from torch import Tensor
@@ -15,7 +15,7 @@ from tetgan.nn.device import pick_device
 Clouds = Float[np.ndarray, "_ _ 3"]
 
 # Squared distances held at once: those of a core fit its cache, those of a GPU keep it busy.
-_BLOCK = {"cpu": 2**19, "cuda": 2**27}
+_BLOCK = {"cpu": 2**18, "cuda": 2**27}
 
 
 def chamfer_between(first: Clouds, second: Clouds, label: str = "pairs") -> Float[np.ndarray, "N M"]:
@@ -32,7 +32,7 @@ def chamfer_between(first: Clouds, second: Clouds, label: str = "pairs") -> Floa
     """
     origin = second.reshape(-1, 3).mean(0)
     rows, columns = _queries(first - origin), _targets(second - origin)
-    return _matrix([_chamfer(row, columns) for row in _track(rows, label)])
+    return _matrix([_chamfer(row, columns) for row in _track(rows, label, len(rows))])
 
 
 def chamfer_within(clouds: Clouds, label: str = "pairs") -> Float[np.ndarray, "N N"]:
@@ -40,9 +40,19 @@ def chamfer_within(clouds: Clouds, label: str = "pairs") -> Float[np.ndarray, "N
     centered = clouds - clouds.reshape(-1, 3).mean(0)
     columns = _targets(centered)
     upper = np.zeros((len(clouds), len(clouds)))
-    for place, row in enumerate(_track(_queries(centered), label)):
+    for place, row in enumerate(_track(_queries(centered), label, len(clouds))):
         upper[place, place + 1 :] = _matrix([_chamfer(row, columns[place + 1 :])])[0]
     return upper + upper.T
+
+
+def chamfer_selected(
+    first: Clouds, second: Clouds, columns: Int[np.ndarray, "N K"], label: str = "pairs"
+) -> Float[np.ndarray, "N K"]:
+    """The same for some pairs alone: every cloud of the first set with its own K of the second."""
+    origin = second.reshape(-1, 3).mean(0)
+    rows, targets = _queries(first - origin), _targets(second - origin)
+    chosen = zip(rows, torch.from_numpy(columns).to(targets.device), strict=True)
+    return _matrix([_chamfer(row, targets[own]) for row, own in _track(chosen, label, len(rows))])
 
 
 def resampled_chamfer(points: Float[np.ndarray, "P 3"], count: int) -> float:
@@ -88,5 +98,5 @@ def _matrix(rows: list[Tensor]) -> Float[np.ndarray, "N M"]:
     return torch.stack(rows).double().cpu().numpy()
 
 
-def _track(items: Iterable[Any], label: str) -> Iterable[Any]:
-    return track(items, label, console=Console(stderr=True), transient=True)
+def _track(items: Iterable[Any], label: str, total: int) -> Iterable[Any]:
+    return track(items, label, total, console=Console(stderr=True), transient=True)

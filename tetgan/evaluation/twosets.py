@@ -51,10 +51,14 @@ def two_sets(
     """
     if min(between.shape) < 2:
         raise ValueError(f"sets are compared by neighbours: two shapes each, not {between.shape}")
-    alone = [np.array(within, dtype=np.float64) for within in (generated, real)]
-    for within in alone:
-        np.fill_diagonal(within, np.inf)
-    return TwoSets(*alone, between, *(np.ones(size) for size in between.shape))
+    n, m = between.shape
+    return TwoSets(_without_itself(generated), _without_itself(real), between, np.ones(n), np.ones(m))
+
+
+def _without_itself(within: Float[np.ndarray, "N N"]) -> Float[np.ndarray, "N N"]:
+    distances = np.array(within, dtype=np.float64)
+    np.fill_diagonal(distances, np.inf)
+    return distances
 
 
 def bootstrap_measures(
