@@ -5,7 +5,7 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, Generic, Literal, Protocol, TypeVar
+from typing import Any, Generic, Literal, Protocol, TypeVar, runtime_checkable
 
 from pydantic import ValidationError
 
@@ -33,6 +33,7 @@ class ShardIndex(Options):
 Index = TypeVar("Index", bound=ShardIndex)
 
 
+@runtime_checkable
 class Reader(Protocol[Shape_co]):
     """An open shard."""
 
