@@ -288,7 +288,7 @@ def _sizes_of_baseline(
     assert isinstance(sampling, VoxelOptions)
     sizes = {"voxels a side": sampling.resolution, **sizes}
     if isinstance(options, ShapeGanOptions):
-        stages = {32: 3, 64: 4}[sampling.resolution]  # from 8 voxels a side
+        stages = (sampling.resolution // 4).bit_length() - 1  # 8 voxels a side, 16, ...
         total = sum(epochs) if isinstance(epochs, list) else stages * epochs
         sizes |= {"cells a side": options.resolution, "epochs": total}
     return sizes
