@@ -19,6 +19,7 @@ from tetgan.meshing.options import MeshingOptions
 from tetgan.models.options import ModelOptions, TetganOptions
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
+from tetgan.studies.options import StudyOptions
 from tetgan.training.extractor_options import ExtractorOptions
 from tetgan.training.options import TrainingOptions
 
@@ -71,6 +72,7 @@ class Config(Options):
         ExtractorOptions(), description="the PointNet++ classifier behind FID and KID"
     )
     evaluation: EvaluationOptions = Field(EvaluationOptions(), description="metrics and their intervals")
+    studies: StudyOptions = Field(StudyOptions(), description="resolution and smoothing, beside the tables")
 
     @model_validator(mode="after")
     def _names_agree(self) -> "Config":
@@ -81,6 +83,9 @@ class Config(Options):
             if model.grid not in self.grids:
                 raise ValueError(f"models.{name}.grid: '{model.grid}' is not one of {sorted(self.grids)}")
             self.training_of(name)
+        for name in self.studies.smoothing.models:
+            if name not in self.models:
+                raise ValueError(f"studies.smoothing.models: '{name}' has no entry under models")
         return self
 
     def training_of(self, model: str) -> TrainingOptions:

@@ -68,6 +68,14 @@ def identity(wildcards):
     )
 
 
+def study_identity(wildcards):
+    """What the rows of a study say of the model whose fields it took."""
+    grid = SETTINGS.models[wildcards.model].grid
+    return json.dumps(
+        {"category": wildcards.category, "model": wildcards.model, "grid": grid}
+    )
+
+
 def model_fields(wildcards):
     """Index and shards of the fields that a model learns from."""
     folder = (

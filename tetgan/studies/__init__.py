@@ -1,0 +1,1 @@
+"""Studies beside the tables: what resolution costs, and what smoothing does."""
