@@ -71,7 +71,7 @@ def _introduction(summary: pd.DataFrame, options: ResolutionOptions) -> str:
     return (
         f"The resolution that each representation of one torus needs to reach the error {target:.2e} of "
         f"{reference}³ deformed tets (lattice of {options.reference_cells} cells, depth {options.depth}). "
-        f"The torus is exact: radii {torus.major:g} and {torus.minor:g} of the side, about the cube's middle, "
+        f"The torus is exact: radii {torus.major:g} and {torus.minor:g} of the side, about the middle, "
         f"axis {torus.axis}. The paper does not say which torus or which threshold it took, so its "
         "figures stand beside ours and are no claim of equal conditions."
     )
