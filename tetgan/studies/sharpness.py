@@ -24,7 +24,7 @@ class Bends:
     lengths: Float[np.ndarray, "E"]
     ends: Float[np.ndarray, "E 2 3"]
 
-    def percentile(self, percent: float) -> float:
+    def percentile(self, percent: float | int) -> float:
         """Angle below which so many per cent of the edges' length bend; nan without edges."""
         if not len(self.angles):
             return np.nan
@@ -33,7 +33,7 @@ class Bends:
         place = np.searchsorted(cumulative, percent / 100 * cumulative[-1])
         return float(self.angles[order][min(place, len(order) - 1)])
 
-    def share_above(self, degrees: float) -> float:
+    def share_above(self, degrees: float | int) -> float:
         """Share of the edges' length that bends by more; nan without edges."""
         total = self.lengths.sum()
         return float(self.lengths[self.angles > degrees].sum() / total) if total > 0 else np.nan
@@ -42,7 +42,7 @@ class Bends:
         """Wasserstein-1 distance in degrees between the distributions of angle over length."""
         return float(wasserstein_distance(self.angles, other.angles, self.lengths, other.lengths))
 
-    def draw(self, degrees: float, count: int, seed: int) -> Float[np.ndarray, "P 3"]:
+    def draw(self, degrees: float | int, count: int, seed: int) -> Float[np.ndarray, "P 3"]:
         """Points uniform by length on the edges that bend by more; none where there is no such edge."""
         sharp = self.angles > degrees
         ends, total = self.ends[sharp], np.cumsum(self.lengths[sharp])
