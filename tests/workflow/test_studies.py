@@ -25,7 +25,7 @@ def studied(smoked):
 
 def test_tables_hold_every_representation_and_variant(studied):
     resolution, smoothing = (pd.read_csv(studied / target) for target in TARGETS[:2])
-    assert len(resolution) == 4
+    assert len(resolution) == 5
     assert (resolution["order"] > 0.5).all()
     assert set(smoothing["model"]) == {"representation-LR", "tetgan-LR"}
     assert len(smoothing) == 2 * 9

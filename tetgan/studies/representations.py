@@ -10,15 +10,16 @@ from tetgan.meshing.options import MeshingOptions
 from tetgan.studies.torus import Torus
 from tetgan.studies.voxels import Triangles
 
-DEFORMED, UNDEFORMED, BINARY, DISTANCE = (
+DEFORMED, UNDEFORMED, BINARY, BLOCKY, DISTANCE = (
     "deformed tets",
     "undeformed tets",
-    "binary voxels",
-    "distance voxels",
+    "binary voxels, marching cubes",
+    "binary voxels, blocky",
+    "distance voxels, marching cubes",
 )
-"""The representations; the last one, distances in voxels instead of bits, is not in the paper."""
+"""The representations; the last two are not in the paper's figure."""
 
-NUMBERS = {DEFORMED: 4, UNDEFORMED: 1, BINARY: 1, DISTANCE: 1}
+NUMBERS = {DEFORMED: 4, UNDEFORMED: 1, BINARY: 1, BLOCKY: 1, DISTANCE: 1}
 """Numbers stored for each tet or voxel: a deformed tet has three of displacement beside its occupancy."""
 
 PAPER = {DEFORMED: 41, UNDEFORMED: 161, BINARY: 301}

@@ -19,6 +19,7 @@ from tetgan.studies.convergence import summarise
 from tetgan.studies.options import ResolutionOptions
 from tetgan.studies.representations import (
     BINARY,
+    BLOCKY,
     DEFORMED,
     DISTANCE,
     NUMBERS,
@@ -115,6 +116,7 @@ def _surfaces(torus: Torus, options: ResolutionOptions) -> Iterator[tuple[str, i
     for side in track(options.voxels, "voxels", console=Console(stderr=True), transient=True):
         surfaces = voxel_surfaces(torus.signed_distance, side)
         yield BINARY, None, side**3, surfaces.binary
+        yield BLOCKY, None, side**3, surfaces.blocky
         yield DISTANCE, None, side**3, surfaces.distance
 
 
@@ -125,11 +127,12 @@ def _pictured(torus: Torus, summary: pd.DataFrame, options: ResolutionOptions) -
     cells = min(sides, key=lambda n: abs(np.log(sides[n] / needed[UNDEFORMED])))
     fine = build_hierarchy(cells, options.depth).finest
     reference = build_hierarchy(options.reference_cells, options.depth).finest
-    binary, distance = round(needed[BINARY]), round(needed[DISTANCE])
+    binary, blocky, distance = (round(needed[name]) for name in (BINARY, BLOCKY, DISTANCE))
     return {
         "torus": torus.mesh(256, 128),
         f"{sides[cells]:.0f}³ {UNDEFORMED}": undeformed_surface(torus, fine),
         f"{needed[DEFORMED]:.0f}³ {DEFORMED}": deformed_surface(torus, reference),
         f"{binary}³ {BINARY}": voxel_surfaces(torus.signed_distance, binary).binary,
+        f"{blocky}³ {BLOCKY}": voxel_surfaces(torus.signed_distance, blocky).blocky,
         f"{distance}³ {DISTANCE}": voxel_surfaces(torus.signed_distance, distance).distance,
     }

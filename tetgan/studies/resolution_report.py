@@ -9,11 +9,17 @@ from matplotlib.figure import Figure
 
 from tetgan.rendering.raycast import render_mesh
 from tetgan.studies.options import ResolutionOptions
-from tetgan.studies.representations import BINARY, DEFORMED, DISTANCE, UNDEFORMED
+from tetgan.studies.representations import BINARY, BLOCKY, DEFORMED, DISTANCE, UNDEFORMED
 from tetgan.studies.voxels import Triangles
 
-_COLORS = {DEFORMED: "#d1601f", UNDEFORMED: "#2f6db3", BINARY: "#5c6570", DISTANCE: "#4c9a6a"}
-_PIXELS = 480
+_COLORS = {
+    DEFORMED: "#d1601f",
+    UNDEFORMED: "#2f6db3",
+    BINARY: "#5c6570",
+    BLOCKY: "#b0a04a",
+    DISTANCE: "#4c9a6a",
+}
+_PIXELS = 360
 
 
 def render_report(summary: pd.DataFrame, options: ResolutionOptions) -> str:
@@ -86,8 +92,9 @@ def _notes(options: ResolutionOptions) -> str:
         "sides. Every one of these distances is exact.",
         "Undeformed tets: boundary of the tets whose centroid is inside. Deformed tets: the same boundary "
         "moved by Eq. 3 with the torus's own displacements, neither filtered nor smoothed.",
-        "Binary voxels: marching cubes on inside and outside at voxel centres. Distance voxels: marching "
-        "cubes on the signed distance at the same places, which the paper leaves out.",
+        "Binary voxels: inside or outside at voxel centres; the paper says both 'cubic voxels' (blocky: the "
+        "boundary of the cubes inside) and 'extracted with marching cubes'. Distance voxels: the signed "
+        "distance at the same places, which the paper leaves out.",
         "Numbers stored: one a tet or voxel, four a deformed tet (occupancy and displacement).",
         "Order: power of 1/resolution with which the error falls, fitted to all measurements.",
     ]
