@@ -10,13 +10,14 @@ from tetgan.studies.representations import DEFORMED, NUMBERS, PAPER
 
 
 class Needed(NamedTuple):
-    """A resolution; with sign '>' or '<' it lies beyond the finest or below the coarsest one measured."""
+    """A resolution or a size; sign '>' or '<': at least or at most that, beyond what was measured."""
 
     value: float
     sign: str = ""
 
     def __str__(self) -> str:
-        return f"{self.sign} {self.value:.1f}".strip()
+        shown = f"{self.value:.1f}" if self.value < 1000 else f"{self.value:.0f}"
+        return f"{self.sign} {shown}".strip()
 
 
 def resolution_to_reach(
@@ -70,7 +71,7 @@ def summarise(curves: pd.DataFrame, reference_cells: int) -> pd.DataFrame:
                 "representation": name,
                 "needed": str(needed),
                 "needed_paper": PAPER.get(str(name)),
-                "numbers": f"{needed.sign} {NUMBERS[str(name)] * needed.value**3:.3g}".strip(),
+                "numbers": str(needed._replace(value=NUMBERS[str(name)] * needed.value**3)),
                 "order": convergence_order(resolutions, errors),
                 "target": reference["error"],
                 "finest": resolutions[-1],

@@ -76,7 +76,7 @@ def measure_curves(torus: Torus, options: ResolutionOptions) -> pd.DataFrame:
         rows.append(
             {
                 "representation": name,
-                "resolution": elements ** (1 / 3),
+                "resolution": float(np.cbrt(elements)),
                 "cells": cells,
                 "elements": elements,
                 "numbers": NUMBERS[name] * elements,

@@ -29,6 +29,8 @@ def render_report(summary: pd.DataFrame, options: ResolutionOptions) -> str:
             "Representation": summary["representation"],
             "Resolution needed": summary["needed"],
             "Paper": summary["needed_paper"].map(lambda value: "—" if pd.isna(value) else f"{value}"),
+            "Times the deformed": _times_deformed(summary["needed"].str.strip("<> ").astype(float)),
+            "Paper's times": _times_deformed(summary["needed_paper"]),
             "Numbers stored": summary["numbers"],
             "Order": summary["order"].map("{:.2f}".format),
             "Finest measured": summary["finest"].map("{:.1f}".format),
@@ -44,10 +46,10 @@ def draw_report(
 ) -> None:
     """Pictures of the shapes, by title, above the error of each representation at every resolution."""
     figure = Figure(figsize=(13, 8), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=[1, 1.7])
+    upper, lower = figure.subfigures(2, 1, height_ratios=[1, 1.5])
     for axes, (title, surface) in zip(upper.subplots(1, len(pictures)), pictures.items(), strict=True):
         axes.imshow(render_mesh(*surface, size=(_PIXELS, _PIXELS), span=1.0, elevation=25))
-        axes.set_title(title, fontsize=10)
+        axes.set_title(title.replace(", ", "\n"), fontsize=10)
         axes.set_axis_off()
     _draw_curves(lower.subplots(), curves, summary)
     figure.savefig(path, dpi=130)
@@ -67,8 +69,18 @@ def _draw_curves(axes: Axes, curves: pd.DataFrame, summary: pd.DataFrame) -> Non
     axes.plot([], [], "x", color="black", label="the paper's resolutions: 41³, 161³, 301³")
     axes.set_xlabel("resolution: cube root of the number of tets or voxels")
     axes.set_ylabel("symmetric mean distance to the torus, cube sides")
-    axes.grid(which="both", alpha=0.25)
+    ticks = [side for side in (4, 8, 16, 32, 64, 128, 256, 512) if side <= curves["resolution"].max()]
+    axes.set_xticks(ticks, [str(side) for side in ticks])
+    axes.minorticks_off()
+    axes.grid(alpha=0.3)
     axes.legend(frameon=False)
+
+
+def _times_deformed(resolutions: pd.Series) -> pd.Series:
+    """Each over that of the deformed tets, which stand first."""
+    return (resolutions / resolutions.iloc[0]).map(
+        lambda times: "—" if pd.isna(times) else f"{float(times):.1f}"
+    )
 
 
 def _introduction(summary: pd.DataFrame, options: ResolutionOptions) -> str:
