@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from tetgan.cli import app
 
-COMMANDS = [command.callback.__name__ for command in app.registered_commands]
+COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands]
 
 
 def run(*arguments):

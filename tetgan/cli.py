@@ -595,3 +595,75 @@ def ablation(
     from tetgan.evaluation.ablation import write_ablation
 
     write_ablation(metrics, paper, category, out, _plain(changes, "--changes"))
+
+
+@app.command()
+def resolution(
+    table: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    figure: Annotated[Path, typer.Argument(help="Figure (.png) to write; its data stand beside it.")],
+    options: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Measure how fine tets and voxels must be to represent a torus equally well.
+
+    Example: `tetgan resolution resolution.csv resolution.png`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.studies.options import ResolutionOptions
+    from tetgan.studies.resolution import study_resolution
+
+    study_resolution(_options(ResolutionOptions, options, "--options"), table, figure)
+
+
+@app.command()
+def smoothing(
+    model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of figures to write.")],
+    meshes: Annotated[list[Path], typer.Argument(help="Zips of repaired meshes, the reference.")],
+    clouds: Annotated[Path, typer.Option(help="Point clouds with the hold-out surfaces.")],
+    extractor: Annotated[Path, typer.Option(help="Folder of the trained classifier.")],
+    identity: OptionsText = "{}",
+    options: OptionsText = "{}",
+    meshing: OptionsText = "{}",
+    evaluation: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Measure what displacement and each smoothing do to the surfaces of a model.
+
+    Example: `tetgan smoothing models/chair/representation-LR/0 index.json study chairs.zip --clouds chair.npz
+    --extractor extractor`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.evaluation.options import EvaluationOptions
+    from tetgan.meshing.options import MeshingOptions
+    from tetgan.studies.options import SmoothingOptions
+    from tetgan.studies.smoothing import study_smoothing
+
+    _use_threads(threads)
+    study_smoothing(
+        model,
+        index,
+        folder,
+        meshes=meshes,
+        clouds=clouds,
+        extractor=extractor,
+        study=_options(SmoothingOptions, options, "--options"),
+        meshing=_options(MeshingOptions, meshing, "--meshing"),
+        evaluation=_options(EvaluationOptions, evaluation, "--evaluation"),
+        identity=_plain(identity, "--identity"),
+    )
+
+
+@app.command("smoothing-table")
+def smoothing_table(
+    studies: Annotated[list[Path], typer.Argument(help="Folders written by `tetgan smoothing`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+) -> None:
+    """Set the smoothing studies side by side, and weigh the paper's claims.
+
+    Example: `tetgan smoothing-table studies/chair/* smoothing.csv`
+    """
+    from tetgan.studies.smoothing_table import write_smoothing_table
+
+    write_smoothing_table(studies, out)

@@ -31,6 +31,7 @@ from tetgan.models.options import (
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.studies.figure_options import LatentOptions, NearestOptions
+from tetgan.studies.options import StudyOptions
 from tetgan.training.extractor_options import ExtractorOptions
 from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions
@@ -114,6 +115,7 @@ class Config(Options):
         ExtractorOptions(), description="the PointNet++ classifier behind FID and KID"
     )
     evaluation: EvaluationOptions = Field(EvaluationOptions(), description="metrics and their intervals")
+    studies: StudyOptions = Field(StudyOptions(), description="resolution and smoothing, beside the tables")
     latent: LatentOptions = Field(LatentOptions(), description="interpolations and sums of latents")
     nearest: NearestOptions = Field(NearestOptions(), description="nearest training shapes of samples")
     figures: FigureOptions = Field(FigureOptions(), description="what the figures show")
@@ -142,6 +144,9 @@ class Config(Options):
         for name in self.figures.models or []:
             if name not in self.models:
                 raise ValueError(f"figures.models: '{name}' is not one of {sorted(self.models)}")
+        for name in self.studies.smoothing.models:
+            if name not in self.models:
+                raise ValueError(f"studies.smoothing.models: '{name}' has no entry under models")
         return self
 
     def _check_data(self, name: str, model: Any) -> None:

@@ -118,6 +118,14 @@ def ablation_changes(wildcards):
     )
 
 
+def study_identity(wildcards):
+    """What the rows of a study say of the model whose fields it took."""
+    grid = SETTINGS.models[wildcards.model].grid
+    return json.dumps(
+        {"category": wildcards.category, "model": wildcards.model, "grid": grid}
+    )
+
+
 def model_fields(wildcards):
     """Index and shards of the fields, or of the points or voxels, that a model learns from."""
     model = SETTINGS.models[wildcards.model]
