@@ -7,7 +7,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup chair smoke test lint format schema lock clean
+.PHONY: help setup chair smoke report test lint format schema lock clean
 
 help:  ## List the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-8s %s\n", $$1, $$2}'
@@ -27,6 +27,9 @@ chair: setup  ## The main job: raw meshes in, results/tables/chair.csv out
 
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
 	$(BIN)/snakemake results/smoke/tables/chair.csv --cores $(CORES) --configfile config/smoke.yaml
+
+report: setup  ## Every table and figure on one page that opens offline: results/report.html
+	$(BIN)/snakemake --cores $(CORES) results/report.html
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 	$(BIN)/python -m pytest $(if $(PYTEST),$(PYTEST),-m "not slow")
