@@ -140,6 +140,8 @@ class Browser:
         self.send("Emulation.setEmulatedMedia", features=[scheme])
 
     def open(self, page: Path) -> None:
+        self.send("Page.navigate", url="about:blank")
+        self.wait("document.URL === 'about:blank'")
         self.send("Page.navigate", url=page.resolve().as_uri())
         self.wait("document.readyState === 'complete' && document.URL.startsWith('file:')")
 

@@ -11,15 +11,21 @@ pytestmark = [
 CANVAS = "#viewer-canvas"
 
 
-@pytest.fixture(params=[SOFTWARE, WITHOUT_WEBGL], ids=["webgl2", "2d"])
-def browser(request, page):
+@pytest.fixture(scope="module", params=[SOFTWARE, WITHOUT_WEBGL], ids=["webgl2", "2d"])
+def launched(request):
     with Browser(find_browser(), request.param) as browser:
-        browser.open(page)
-        browser.wait(f"document.querySelector('{CANVAS}').dataset.shown > 0")
-        browser.settle()
         yield browser
-        assert browser.complaints == []
-        assert [url for url in browser.requests if not url.startswith(("file:", "data:"))] == []
+
+
+@pytest.fixture
+def browser(launched, page):
+    launched.open(page)
+    launched.wait(f"document.querySelector('{CANVAS}').dataset.shown > 0")
+    launched.settle()
+    yield launched
+    launched.resize(1280, 900)
+    assert launched.complaints == []
+    assert [url for url in launched.requests if not url.startswith(("file:", "data:"))] == []
 
 
 def pixels(browser):

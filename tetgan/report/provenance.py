@@ -79,7 +79,11 @@ def _processor() -> str:
 
 def seeds_of(config: Mapping[str, Any]) -> dict[str, str]:
     """Every seed of a configuration under its dotted key."""
-    return {key: str(value) for key, value in _leaves(config) if key.split(".")[-1] in ("seed", "seeds")}
+    return {key: _listed(value) for key, value in _leaves(config) if key.split(".")[-1] in ("seed", "seeds")}
+
+
+def _listed(value: Any) -> str:
+    return ", ".join(map(str, value)) if isinstance(value, list) else str(value)
 
 
 def _leaves(part: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:

@@ -70,7 +70,7 @@ def _sample_set(mode: Path, count: int) -> SampleSet | None:
     category, model, seed, name = mode.parts[-4:]
     for smoothing in ("wls", "none"):
         paths = sorted((mode / smoothing / "generated").glob("*.vtu"))
-        if paths and seed.isdigit():
+        if paths and seed.isdigit() and not name.startswith("."):  # a dot: still being written
             return SampleSet(category, model, int(seed), name, smoothing, tuple(paths[:count]))
     return None
 

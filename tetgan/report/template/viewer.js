@@ -63,7 +63,8 @@
       low = Math.min(low, along);
       high = Math.max(high, along);
     }
-    return { normal, offset: high + 1e-5 - Number(element("cut").value) * (high - low + 1e-5) };
+    const slack = 1e-5; // all of it stays at 0 and goes at 1, whatever the rounding
+    return { normal, offset: high + slack - Number(element("cut").value) * (high - low + 2 * slack) };
   }
 
   const isKept = (solid, cut, tet) => dot(cut.normal, solid.centres, 3 * tet) <= cut.offset;
