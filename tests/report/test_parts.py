@@ -49,6 +49,14 @@ def test_numbers_stand_on_the_right(cell, number):
     assert ('<td class="number">' in table_html(["a"], [[cell]])) == number
 
 
+def test_a_table_without_rows_keeps_its_header():
+    assert "<th>a</th><th>b</th>" in table_html(["a", "b"], [])
+
+
+def test_versions_are_no_numbers():
+    assert "number" not in table_html(["a"], [["1.2"]], numbers=False)
+
+
 def test_columns_of_the_paper_are_grey():
     html = table_html(["model", "Paper", "fid_paper", "Smaller than the paper's"], [["a", "x", "1", "b"]])
     assert html.count('class="paper"') == 2

@@ -26,20 +26,27 @@ def cell_text(text: str) -> Markup:
     return Markup("").join([*parts, escape(text[end:])])
 
 
-def table_html(header: Sequence[str], rows: Sequence[Sequence[str]]) -> Markup:
+def table_html(header: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: bool = True) -> Markup:
     """A table in a box that scrolls sideways; numbers stand on the right, columns of the paper in grey.
 
     Cells that are `Markup` already stay as they are, all others are escaped.
+
+    Args:
+        numbers: whether figures are numbers to compare; False for versions and the like.
     """
     cells = [[text if isinstance(text, Markup) else cell_text(text) for text in row] for row in rows]
     paper = [_PAPERS.match(title) is not None for title in header]
-    right = [any(_is_number(row[place]) for row in cells) for place in range(len(header))]
-    head = Markup("").join(map(_cell, repeat("th"), map(escape, header), right, paper))
-    lines = [Markup("").join(map(_cell, repeat("td"), row, map(_is_number, row), paper)) for row in cells]
-    body = Markup("").join(Markup("<tr>{}</tr>\n").format(line) for line in lines)
+    right = [[numbers and _is_number(cell) for cell in row] for row in cells]
+    above = [any(column) for column in zip(*right, strict=True)] or [False] * len(header)
+    head = _line("th", [escape(title) for title in header], above, paper)
+    body = Markup("").join(_line("td", row, number, paper) for row, number in zip(cells, right, strict=True))
     return Markup(
-        '<div class="wide"><table>\n<thead>\n<tr>{}</tr>\n</thead>\n<tbody>\n{}</tbody>\n</table></div>\n'
+        '<div class="wide"><table>\n<thead>\n{}</thead>\n<tbody>\n{}</tbody>\n</table></div>\n'
     ).format(head, body)
+
+
+def _line(tag: str, cells: Sequence[Markup], right: Sequence[bool], paper: Sequence[bool]) -> Markup:
+    return Markup("<tr>{}</tr>\n").format(Markup("").join(map(_cell, repeat(tag), cells, right, paper)))
 
 
 def _is_number(cell: Markup) -> bool:

@@ -97,8 +97,7 @@ def _provenance(results: Path, config: Mapping[str, Any]) -> dict[str, Markup]:
     """Title and table of each part of the provenance."""
     stages = stage_times(results / "benchmarks")
     return {
-        "Code": _pairs({"commit": code_commit()}),
-        "Machine that made this page": _pairs(machine()),
+        "Code and machine that made this page": _pairs({"commit": code_commit(), **machine()}),
         "Seeds": _pairs(seeds_of(config)),
         "Time of each stage": _times(stages),
         "Packages": _pairs(package_versions()),
@@ -106,7 +105,9 @@ def _provenance(results: Path, config: Mapping[str, Any]) -> dict[str, Markup]:
 
 
 def _pairs(values: Mapping[str, str]) -> Markup:
-    return table_html(["what", "value"], list(values.items())) if values else Markup("<p>None known.</p>")
+    if not values:
+        return Markup("<p>None known.</p>")
+    return table_html(["what", "value"], list(values.items()), numbers=False)
 
 
 def _times(stages: pd.DataFrame) -> Markup:

@@ -120,7 +120,7 @@
       vec3 base = level > ${LEVELS.toFixed(1)} ? inverted : mix(ramp[part], ramp[part + 1], along - float(part));
       if (!coloured) base = plain;
       vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
-      float light = 0.45 + 0.45 * abs(normal.z) + 0.15 * normal.y;
+      float light = 0.6 + 0.35 * abs(normal.z) + 0.1 * normal.y;
       float inside = min(min(corner.x, corner.y), corner.z);
       float width = fwidth(inside);
       float edge = (1.0 - smoothstep(0.0, 1.4 * width, inside)) * (1.0 - smoothstep(0.08, 0.3, width));
@@ -247,7 +247,7 @@
     const cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
     const size = Math.hypot(...cross) || 1;
     const facing = cross[2] < 0 ? -1 : 1;
-    return 0.45 + 0.45 * Math.abs(cross[2] / size) + (0.15 * facing * cross[1]) / size;
+    return 0.6 + 0.35 * Math.abs(cross[2] / size) + (0.1 * facing * cross[1]) / size;
   }
 
   // The page around it ------------------------------------------------------------------------------------
