@@ -117,7 +117,7 @@ def _times(stages: pd.DataFrame) -> Markup:
         stages["minutes"].sum()
     )
     rows = [
-        [row.stage, str(row.jobs), f"{row.minutes:.2f}", f"{row.longest:.2f}", _mebibytes(row.peak)]
+        [str(row.stage), str(row.jobs), f"{row.minutes:.2f}", f"{row.longest:.2f}", _mebibytes(row.peak)]
         for row in stages.itertuples()
     ]
     return table_html(["stage", "jobs", "minutes", "longest job", "peak memory of a job, MiB"], rows) + total
