@@ -7,7 +7,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup chair paper smoke test lint format schema lock clean
+.PHONY: help setup chair paper smoke report test lint format schema lock clean
 
 help:  ## List the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-8s %s\n", $$1, $$2}'
@@ -30,6 +30,9 @@ paper: setup  ## Every table and figure that a config holds: make paper CONFIG=c
 
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
 	$(BIN)/snakemake --cores $(CORES) --configfile=config/smoke.yaml results/smoke/tables/chair.csv
+
+report: setup  ## Every table and figure on one page that opens offline: results/report.html
+	$(BIN)/snakemake --cores $(CORES) results/report.html
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 	$(BIN)/python -m pytest $(if $(PYTEST),$(PYTEST),-m "not slow")

@@ -667,3 +667,28 @@ def smoothing_table(
     from tetgan.studies.smoothing_table import write_smoothing_table
 
     write_smoothing_table(studies, out)
+
+
+@app.command()
+def report(
+    results: Annotated[Path, typer.Argument(help="Folder of results, with tables/, figures/, samples/.")],
+    out: Annotated[Path, typer.Argument(help="Page (.html) to write.")],
+    config: OptionsText = "{}",
+    captions: Annotated[Path | None, typer.Option(help="Folder of captions ({name}.rst).")] = None,
+    model: Annotated[list[str] | None, typer.Option(help="Model whose solids to show; default: all.")] = None,
+    samples: Annotated[int, typer.Option(min=1, help="Solids of each model.")] = 4,
+) -> None:
+    """Put every table and figure, solids to turn and cut open, and the provenance on one page.
+
+    Example: `tetgan report results report.html --config config/config.yaml --captions workflow/report`
+    """
+    from tetgan.report.page import write_report
+
+    write_report(
+        results,
+        out,
+        config=_plain(config, "--config"),
+        captions=captions,
+        models=model or (),
+        samples=samples,
+    )

@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tetgan.grids.adjacency import boundary_faces
-from tetgan.meshing.quality import dihedral_angles, quality_record
+from tetgan.meshing.quality import dihedral_angles, quality_record, radius_ratios
 from tetgan.meshing.solid import SolidMesh
 
 REGULAR = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
@@ -45,6 +45,28 @@ def test_angles_do_not_change_with_place_size_or_orientation(seed):
     angles = dihedral_angles(vertices, TET)
     np.testing.assert_allclose(dihedral_angles(3 * vertices @ turn + 1, TET), angles, atol=1e-5)
     assert ((angles > 0) & (angles < 180)).all()
+
+
+def test_radius_ratios_of_known_tets():
+    flat = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    vertices = np.concatenate([REGULAR, CORNER, flat, np.ones((4, 3))])
+    # The corner: inner radius 1 / (3 + sqrt 3), outer sqrt(3) / 2.
+    corner = 3 / (3 + np.sqrt(3)) / (np.sqrt(3) / 2)
+    ratios = radius_ratios(vertices, np.arange(16).reshape(4, 4))
+    np.testing.assert_allclose(ratios, [1, corner, 0, 0], atol=1e-12)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=30, deadline=None)
+def test_a_radius_ratio_is_that_of_the_two_spheres(seed):
+    vertices = np.random.default_rng(seed).normal(size=(4, 3))
+    # Centre of the outer sphere: as far from each vertex as from the first.
+    edges = vertices[1:] - vertices[0]
+    outer = np.linalg.norm(np.linalg.solve(2 * edges, (edges**2).sum(axis=1)))
+    faces = [np.delete(vertices, opposite, axis=0) for opposite in range(4)]
+    areas = [np.linalg.norm(np.cross(face[1] - face[0], face[2] - face[0])) / 2 for face in faces]
+    inner = 3 * abs(np.linalg.det(edges)) / 6 / sum(areas)
+    assert radius_ratios(vertices, TET)[0] == pytest.approx(3 * inner / outer, rel=1e-6)
 
 
 def test_the_record_of_one_tet():

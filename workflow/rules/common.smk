@@ -17,6 +17,10 @@ except UserError as error:
 
 SETTINGS = Config.parse(config)
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
+CAPTIONS = (
+    Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "report"
+)
+SOURCES = {".py", ".html", ".css", ".js"}
 SHOWN_MODELS = [
     name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
@@ -61,7 +65,9 @@ def stage_digest(*rooms):
     digest = hashlib.sha256()
     for room in rooms:
         found = package / room
-        sources = sorted(found.rglob("*.py")) or [found.with_suffix(".py")]
+        sources = [
+            path for path in sorted(found.rglob("*.*")) if path.suffix in SOURCES
+        ] or [found.with_suffix(".py")]
         for source in sources:
             name = source.relative_to(package).as_posix()
             digest.update(name.encode() + source.read_bytes())

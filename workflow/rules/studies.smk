@@ -4,6 +4,15 @@ Inputs: an exact torus; trained models, repaired meshes, hold-out clouds and the
 a figure of each study, with the data of the figure.
 """
 
+PAPER_TARGETS += ["<results>/tables/resolution.csv"]
+if SETTINGS.studies.smoothing.models:
+    PAPER_TARGETS += [
+        "<results>/tables/smoothing.csv",
+        *expand(
+            "<results>/figures/{category}/smoothing.png", category=config["categories"]
+        ),
+    ]
+
 
 rule measure_resolution:
     output:
