@@ -9,7 +9,7 @@ import trimesh
 
 from tetgan.errors import UserError
 from tetgan.evaluation.evaluate import evaluate_model, evaluate_real
-from tetgan.evaluation.options import EvaluationOptions, SetOptions, VarietyOptions
+from tetgan.evaluation.options import BootstrapOptions, EvaluationOptions, SetOptions, VarietyOptions
 from tetgan.shapes.archive import write_meshes
 
 OPTIONS = EvaluationOptions(
@@ -18,6 +18,7 @@ OPTIONS = EvaluationOptions(
     samples=4,
     sets=SetOptions(shapes=5, points=256),
     variety=VarietyOptions(pairs=6, closest=2, repeats=2),
+    bootstrap=BootstrapOptions(resamples=50, frechet_resamples=20),
 )
 IDS = ["a", "b", "c", "d", "e", "f"]
 

@@ -140,7 +140,7 @@ def _measure_estimates(
     """Measures of two sets, each within its bounds."""
     bootstrap = options.bootstrap
     rng = named_rng(options.seed, "bootstrap", name)
-    ends = bootstrap_measures(measure, sets, bootstrap.frechet_resamples, bootstrap.level, rng)
+    ends = bootstrap_measures(measure, sets, bootstrap.resamples, bootstrap.level, rng)
     return {
         metric: Estimate(
             value,

@@ -220,8 +220,8 @@ def _generated_clouds(
 
 
 def _generated_features(
-    clouds: Float[np.ndarray, "N P 3"], yardstick: _Yardstick
-) -> Float[np.ndarray, "M F"] | None:
+    clouds: Float[np.ndarray, "M P 3"], yardstick: _Yardstick
+) -> Float[np.ndarray, "N F"] | None:
     """Features of as many generated surfaces as there are hold-out clouds, sampled as finely as those."""
     needed = yardstick.options.samples
     if yardstick.holdout.features is None or len(clouds) < needed:

@@ -64,13 +64,16 @@ class BootstrapOptions(Options):
     """Intervals on every figure."""
 
     resamples: int = Field(
-        default=1000, ge=20, le=100_000, description="resamples of a mean or of the kernel distance"
+        default=1000,
+        ge=20,
+        le=100_000,
+        description="resamples of a mean, of the kernel distance, and of shares of sets",
     )
     frechet_resamples: int = Field(
         default=100,
         ge=20,
         le=10_000,
-        description="resamples of the Fréchet distance and of what is measured on sets as a whole",
+        description="resamples of the Fréchet distance and of the JSD",
     )
     level: float = Field(default=0.95, gt=0, lt=1, description="coverage of the interval")
 
