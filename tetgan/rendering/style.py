@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import pandas as pd
@@ -47,9 +48,9 @@ def plot_style() -> Iterator[None]:
         yield
 
 
-def line_styles(names: list[str]) -> dict[str, dict[str, str]]:
+def line_styles(names: list[str]) -> dict[str, dict[str, Any]]:
     """Colour and dash of each name: colours first, then the next dash."""
-    looks = [{"color": color, "linestyle": dash} for dash in DASHES for color in COLORS]
+    looks: list[dict[str, Any]] = [{"color": color, "linestyle": dash} for dash in DASHES for color in COLORS]
     return dict(zip(names, cycle(looks), strict=False))
 
 
