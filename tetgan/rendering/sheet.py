@@ -16,6 +16,7 @@ Ink = tuple[int, int, int]
 INK: Ink = (40, 44, 52)
 FAINT: Ink = (165, 170, 178)
 _RULE: Ink = (205, 208, 214)
+_LETTERS = 80  # across a page at least: about seven points where it is printed across a sheet
 _LINE = 1.4  # height of a line of text, over that of its letters
 _Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
@@ -43,7 +44,7 @@ def contact_sheet(
     """
     _check(images, columns, titles, row_titles, column_titles)
     height, width = images[0].shape[:2]
-    letters = letters_of(height)
+    letters = max(letters_of(height), columns * width // _LETTERS)
     font = ImageFont.load_default(size=letters)
     above = _text_height(column_titles or (), letters)
     left = _text_width(row_titles, font) + letters if row_titles else 0
