@@ -7,7 +7,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup chair paper smoke test lint format schema lock clean
+.PHONY: help setup chair paper smoke report test lint format schema lock clean
 
 help:  ## List the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-8s %s\n", $$1, $$2}'
@@ -26,10 +26,13 @@ chair: setup  ## The main job: raw meshes in, results/tables/chair.csv out
 	$(BIN)/snakemake --cores $(CORES) results/tables/chair.csv results/figures/chair/samples.png
 
 paper: setup  ## Every table and figure that a config holds: make paper CONFIG=config/overnight.yaml
-	$(BIN)/snakemake paper --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
+	$(BIN)/snakemake --cores $(CORES) $(if $(CONFIG),--configfile=$(CONFIG)) paper
 
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
-	$(BIN)/snakemake results/smoke/tables/chair.csv --cores $(CORES) --configfile config/smoke.yaml
+	$(BIN)/snakemake --cores $(CORES) --configfile=config/smoke.yaml results/smoke/tables/chair.csv
+
+report: setup  ## Every table and figure on one page that opens offline: results/report.html
+	$(BIN)/snakemake --cores $(CORES) results/report.html
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 	$(BIN)/python -m pytest $(if $(PYTEST),$(PYTEST),-m "not slow")

@@ -20,6 +20,7 @@ ROOMS = [
     "training",
     "evaluation",
     "studies",
+    "report",
     "config",
     "cli",
 ]

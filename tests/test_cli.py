@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from tetgan.cli import app
 
-COMMANDS = [command.callback.__name__ for command in app.registered_commands]
+COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands]
 
 
 def run(*arguments):
@@ -61,8 +61,27 @@ def test_help_imports_nothing_heavy():
             ],
             ["absent"],
         ),
+        (["index", "absent.zarr.zip", "o.json", "--catalogue", "absent.csv"], ["--grid", "--sampling"]),
+        (
+            [
+                "index",
+                "absent.zarr.zip",
+                "o.json",
+                "--catalogue",
+                "absent.csv",
+                "--sampling",
+                "{kind: voxels, resolution: 32}",
+            ],
+            ["absent"],
+        ),
+        (["samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: points}"], ["absent.zip"]),
+        (["samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: rays}"], ["--sampling", "rays"]),
         (["train", "absent.json", "model", "--model", "{kind: pca, grid: LR}"], ["absent.json"]),
+        (["train", "absent.json", "model", "--model", "{kind: occnet}"], ["absent.json"]),
+        (["simplify", "absent", "out"], ["absent", "no samples"]),
         (["sample", "absent", "absent.json", "out"], ["absent"]),
+        (["evaluate", "absent", "absent", "--out", "report.json"], ["absent", "no such folder"]),
+        (["evaluate", "a", "b", "--out", "report.json", "--options", "{point: 3}"], ["point", "points"]),
         (["sample", "absent", "absent.json", "out", "--mode", "smooth"], ["mode", "'paper'", "smooth"]),
     ],
 )

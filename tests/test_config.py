@@ -47,8 +47,37 @@ def test_the_written_schema_is_in_step():
             changed(models={"m": {"kind": "tetgan", "grid": "LR", "training": {"epoch": 3}}}),
             ["models.m", "epoch", "epochs"],
         ),
+        (changed(models={"m": {"like": "tetgan-XR"}}), ["models.m.like", "'tetgan-XR' is no model"]),
+        (changed(models={"m": {"like": "n"}, "n": {"like": "m"}}), ["models.m.like", "m -> n -> m"]),
+        (changed(models={"m": {"like": "tetgan-LR", "convoluton": "tet"}}), ["models.m", "'convolution'"]),
+        (changed(models={"m": {"like": "tetgan-LR", "meshing": {"gama": 3}}}), ["models.m", "'gamma'"]),
+        (changed(models={"m": {"like": "tetgan-LR", "meshing": {"gamma": 0}}}), ["models.m", "gamma"]),
+        (changed(ablation=["tetgan-XR"]), ["ablation", "'tetgan-XR' has no entry under models"]),
+        (changed(models={"m": {"kind": "deftet", "grid": "LR", "of": "pca-16"}}), ["models.m.of", "pca-16"]),
+        (
+            changed(models={"m": {"kind": "deftet", "grid": "HR", "of": "tetgan-LR"}}),
+            ["models.m.of", "on grid LR, not HR"],
+        ),
         (changed(sources={"../evil": {"kind": "builtin"}}), ["../evil"]),
         (changed(sources={"fid": {"kind": "builtin"}}), ["'fid' is the name of a table"]),
+        (changed(samplings={"points": {"kind": "points", "coun": 3}}), ["samplings.points", "count"]),
+        (
+            changed(models={"m": {"kind": "occnet", "sampling": "voxels-32"}}),
+            ["models.m.sampling", "'voxels-32'", "['points']"],
+        ),
+        (
+            changed(models={"m": {"kind": "shapegan-vae", "sampling": "voxels-64"}}),
+            ["models.m.sampling", "['voxels-32']"],
+        ),
+        (changed(models={"m": {"kind": "simplified", "of": "nothing"}}), ["models.m.of", "'nothing'"]),
+        (
+            changed(models={"m": {"kind": "simplified", "of": "occnet-simplified"}}),
+            ["models.m.of", "'occnet-simplified'"],
+        ),
+        (
+            changed(models={"m": {"kind": "occnet", "training": {"epoch": 3}}}),
+            ["models.m", "epoch", "epochs"],
+        ),
     ],
 )
 def test_a_mistake_is_one_line_naming_its_key(values, words):
@@ -70,6 +99,68 @@ def test_a_model_overrides_the_common_training_options():
     assert (config.training_of("m").epochs, config.training_of("m").batch_size) == (9, 3)
 
 
+def test_a_model_like_another_says_only_what_differs():
+    models = {
+        "m": {"like": "tetgan-LR", "width": 3, "training": {"epochs": 9}},
+        "n": {"like": "m", "code": 5},
+    }
+    config = Config.parse(changed(models=models))
+    full = config.models["tetgan-LR"]
+    assert config.models["m"] == full.model_copy(
+        update={"width": 3, "training": full.training | {"epochs": 9}}
+    )
+    assert config.models["n"] == config.models["m"].model_copy(update={"code": 5})
+
+
+def test_what_a_later_file_says_of_a_model_holds_for_those_like_it():
+    values = changed(models={"m": {"like": "tetgan-LR", "pool": "mean"}})
+    update_config(values, {"models": {"tetgan-LR": {"width": 3}}})
+    assert load_config(values)["models"]["m"]["width"] == 3
+
+
+def test_an_empty_entry_drops_a_model():
+    values = load_config(changed(models={"pca-16": None}))
+    assert "pca-16" not in values["models"]
+    assert "pca-64" in values["models"]
+
+
+def test_models_of_the_ablation_stand_in_its_table_alone_but_for_the_full_one():
+    config = Config.parse(changed(ablation=["tetgan-LR", "tet-gcn"]))
+    assert "tet-gcn" not in config.table_models
+    assert {"tetgan-LR", "no-local"} <= set(config.table_models)
+    assert Config.parse(changed(ablation=[])).table_models == list(config.models)
+
+
+def test_changes_tell_what_an_ablation_differs_in():
+    config = Config.parse(DEFAULT)
+    told = {name: config.changes(name) for name in config.ablation}
+    assert told["tetgan-LR"] == ""
+    assert told["tet-gcn"] == "convolution shared (full: tet)"
+    assert told["no-filter"] == "gamma off (full: 4.0)"
+    assert told["occupancy-only"] == "displacement no (full: yes)"
+    assert told["no-local"].startswith("local_weight 0.0 (full: ")
+    assert told["official-weights"].split("; ")[1].startswith("global_weight -0.01")
+    assert told["surface-gcn"].startswith("kind deftet (full: tetgan); of tetgan-LR; ")
+    assert all(told[name] for name in config.ablation[1:])
+
+
+def test_models_that_are_meshed_differently_share_their_training():
+    config = Config.parse(DEFAULT)
+    assert config.trained_as("no-filter") == "tetgan-LR"
+    assert config.meshing_of("no-filter").gamma is None
+    assert config.meshing_of("tetgan-LR").gamma == 4.0
+    for name in config.models:
+        assert name == "no-filter" or config.trained_as(name) == name
+
+
+def test_ablations_of_the_default_train_as_long_as_the_full_model():
+    config = Config.parse(DEFAULT)
+    for name in config.ablation:
+        assert config.models[name].grid == "LR"
+        if name != "surface-gcn":  # whose network is far smaller
+            assert config.training_of(name).epochs == config.training_of("tetgan-LR").epochs
+
+
 def test_an_entry_of_another_kind_drops_what_the_default_said_of_its_own():
     values = copy.deepcopy(DEFAULT)
     update_config(values, {"sources": {"chair": {"kind": "directory", "path": "my/chairs"}}})
@@ -86,3 +177,29 @@ def test_reductions_name_what_is_smaller_than_in_the_paper():
     assert f"width 16 (paper {PAPER['width']})" in config.reductions("m")
     assert "depth 2 (paper 3)" in config.reductions("m")
     assert "code" not in config.reductions("m")
+
+
+def test_reductions_of_baselines_name_their_own_sizes():
+    whole = {"kind": "occnet", "mise_start": 32, "mise_steps": 2}
+    config = Config.parse(
+        changed(
+            samplings={"all": {"kind": "points", "count": 100_000}},
+            models={
+                "whole": whole | {"sampling": "all"},
+                "small": {"kind": "occnet", "mise_start": 16, "training": {"epochs": 7, "points": 512}},
+                "star": {"kind": "simplified", "of": "small"},
+                "gan": {
+                    "kind": "shapegan-gan",
+                    "sampling": "voxels-32",
+                    "training": {"epochs": [3, 2, 1]},
+                },
+            },
+        )
+    )
+    assert config.reductions("whole") == ""
+    assert config.reductions("small") == (
+        "points 30000 (paper 100000); points a step 512 (paper 2048); cells a side 64 (paper 128); "
+        "epochs 7 (paper 1000)"
+    )
+    assert config.reductions("star") == config.reductions("small")
+    assert config.reductions("gan") == "voxels a side 32 (paper 64); epochs 6 (paper 1000)"

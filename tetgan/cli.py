@@ -401,14 +401,18 @@ def metrics(
     out: Annotated[Path, typer.Argument(help="Metrics (.json) to write.")],
     clouds: Annotated[Path, typer.Option(help="Point clouds with the hold-out surfaces.")],
     extractor: Annotated[Path, typer.Option(help="Folder of the trained classifier.")],
+    catalogue: Annotated[
+        Path | None, typer.Option(help="Catalogue that tells the training shapes, for novelty.")
+    ] = None,
     identity: OptionsText = "{}",
     options: OptionsText = "{}",
     threads: Threads = 1,
 ) -> None:
-    """Measure a model's samples: Chamfer, variety, FID, KID, faces, manifold edges, each with an interval.
+    """Measure a model's samples: Chamfer, variety, FID, coverage, overlap and more, each with an interval.
 
     Example: `tetgan metrics samples chairs.zip metrics.json --clouds chair.npz --extractor extractor`
     """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
     from tetgan.evaluation.evaluate import evaluate_model
     from tetgan.evaluation.options import EvaluationOptions
 
@@ -421,6 +425,7 @@ def metrics(
         options=_options(EvaluationOptions, options, "--options"),
         identity=_plain(identity, "--identity"),
         out=out,
+        catalogue=catalogue,
         threads=threads,
     )
 
@@ -441,6 +446,7 @@ def floor(
     Example: `tetgan floor chairs.zip real.json --category chair --catalogue catalogue.csv --clouds chair.npz
     --extractor extractor`
     """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
     from tetgan.evaluation.evaluate import evaluate_real
     from tetgan.evaluation.options import EvaluationOptions
 
@@ -453,6 +459,46 @@ def floor(
         options=_options(EvaluationOptions, options, "--options"),
         category=category,
         out=out,
+        threads=threads,
+    )
+
+
+@app.command()
+def evaluate(
+    samples: Annotated[Path, typer.Argument(help="Folder of generated meshes, from any system.")],
+    reference: Annotated[Path, typer.Argument(help="Folder of the real meshes they should be like.")],
+    out: Annotated[Path, typer.Option(help="Report (.json) to write; a .md twin stands beside it.")],
+    extractor: Annotated[
+        Path | None, typer.Option(help="Folder of a trained classifier, for FID and its kin.")
+    ] = None,
+    reconstructions: Annotated[
+        Path | None, typer.Option(help="Folder of meshes named as those of REFERENCE that they should be.")
+    ] = None,
+    training: Annotated[
+        Path | None, typer.Option(help="Folder of what the generator learned from, for novelty.")
+    ] = None,
+    normalise: Annotated[bool, typer.Option(help="Fit every mesh to the unit cube first.")] = False,
+    options: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Measure any two folders of meshes (.obj .off .ply .stl .glb) against each other, with floors.
+
+    Example: `tetgan evaluate my/samples my/chairs --out report.json --extractor results/extractor`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.evaluation.folders import evaluate_folders
+    from tetgan.evaluation.options import EvaluationOptions
+
+    _use_threads(threads)
+    evaluate_folders(
+        samples,
+        reference,
+        options=_options(EvaluationOptions, options, "--options"),
+        out=out,
+        extractor=extractor,
+        reconstructions=reconstructions,
+        training=training,
+        fit=normalise,
         threads=threads,
     )
 
@@ -484,7 +530,7 @@ def supplement(
 
     Example: `tetgan supplement results/metrics/*/*/*/paper.json fid.csv --figure fid --paper paper.csv`
     """
-    from tetgan.evaluation.supplement import write_supplement
+    from tetgan.evaluation.gathered.supplement import write_supplement
 
     write_supplement(metrics, paper, figure, out)
 
@@ -495,7 +541,7 @@ def manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
 
     Example: `tetgan manifold results/metrics/*/*/*/paper.json manifold.csv --paper paper.csv`
     """
-    from tetgan.evaluation.manifold import write_manifold
+    from tetgan.evaluation.gathered.manifold import write_manifold
 
     write_manifold(metrics, paper, out)
 
@@ -510,7 +556,7 @@ def dataset(
 
     Example: `tetgan dataset results/data/*/catalogue.csv dataset.csv --paper paper.csv`
     """
-    from tetgan.evaluation.dataset import write_dataset
+    from tetgan.evaluation.gathered.dataset import write_dataset
 
     write_dataset(catalogues, paper, out)
 
@@ -527,7 +573,7 @@ def runtime(
 
     Example: `tetgan runtime results/metrics/*/*/*/paper.json runtime.csv --results results --paper paper.csv`
     """
-    from tetgan.evaluation.runtime import write_runtime
+    from tetgan.evaluation.gathered.runtime import write_runtime
 
     write_runtime(metrics, results, paper, shards, out)
 
@@ -549,3 +595,100 @@ def ablation(
     from tetgan.evaluation.ablation import write_ablation
 
     write_ablation(metrics, paper, category, out, _plain(changes, "--changes"))
+
+
+@app.command()
+def resolution(
+    table: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    figure: Annotated[Path, typer.Argument(help="Figure (.png) to write; its data stand beside it.")],
+    options: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Measure how fine tets and voxels must be to represent a torus equally well.
+
+    Example: `tetgan resolution resolution.csv resolution.png`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.studies.options import ResolutionOptions
+    from tetgan.studies.resolution import study_resolution
+
+    study_resolution(_options(ResolutionOptions, options, "--options"), table, figure)
+
+
+@app.command()
+def smoothing(
+    model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    folder: Annotated[Path, typer.Argument(help="Folder of figures to write.")],
+    meshes: Annotated[list[Path], typer.Argument(help="Zips of repaired meshes, the reference.")],
+    clouds: Annotated[Path, typer.Option(help="Point clouds with the hold-out surfaces.")],
+    extractor: Annotated[Path, typer.Option(help="Folder of the trained classifier.")],
+    identity: OptionsText = "{}",
+    options: OptionsText = "{}",
+    meshing: OptionsText = "{}",
+    evaluation: OptionsText = "{}",
+    threads: Threads = 1,
+) -> None:
+    """Measure what displacement and each smoothing do to the surfaces of a model.
+
+    Example: `tetgan smoothing models/chair/representation-LR/0 index.json study chairs.zip --clouds chair.npz
+    --extractor extractor`
+    """
+    os.environ["IGL_NUM_THREADS"] = str(threads)  # read when libigl loads; else every core
+    from tetgan.evaluation.options import EvaluationOptions
+    from tetgan.meshing.options import MeshingOptions
+    from tetgan.studies.options import SmoothingOptions
+    from tetgan.studies.smoothing import study_smoothing
+
+    _use_threads(threads)
+    study_smoothing(
+        model,
+        index,
+        folder,
+        meshes=meshes,
+        clouds=clouds,
+        extractor=extractor,
+        study=_options(SmoothingOptions, options, "--options"),
+        meshing=_options(MeshingOptions, meshing, "--meshing"),
+        evaluation=_options(EvaluationOptions, evaluation, "--evaluation"),
+        identity=_plain(identity, "--identity"),
+    )
+
+
+@app.command("smoothing-table")
+def smoothing_table(
+    studies: Annotated[list[Path], typer.Argument(help="Folders written by `tetgan smoothing`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+) -> None:
+    """Set the smoothing studies side by side, and weigh the paper's claims.
+
+    Example: `tetgan smoothing-table studies/chair/* smoothing.csv`
+    """
+    from tetgan.studies.smoothing_table import write_smoothing_table
+
+    write_smoothing_table(studies, out)
+
+
+@app.command()
+def report(
+    results: Annotated[Path, typer.Argument(help="Folder of results, with tables/, figures/, samples/.")],
+    out: Annotated[Path, typer.Argument(help="Page (.html) to write.")],
+    config: OptionsText = "{}",
+    captions: Annotated[Path | None, typer.Option(help="Folder of captions ({name}.rst).")] = None,
+    model: Annotated[list[str] | None, typer.Option(help="Model whose solids to show; default: all.")] = None,
+    samples: Annotated[int, typer.Option(min=1, help="Solids of each model.")] = 4,
+) -> None:
+    """Put every table and figure, solids to turn and cut open, and the provenance on one page.
+
+    Example: `tetgan report results report.html --config config/config.yaml --captions workflow/report`
+    """
+    from tetgan.report.page import write_report
+
+    write_report(
+        results,
+        out,
+        config=_plain(config, "--config"),
+        captions=captions,
+        models=model or (),
+        samples=samples,
+    )

@@ -31,6 +31,7 @@ from tetgan.models.options import (
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.studies.figure_options import LatentOptions, NearestOptions
+from tetgan.studies.options import StudyOptions
 from tetgan.training.extractor_options import ExtractorOptions
 from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions
@@ -114,6 +115,7 @@ class Config(Options):
         ExtractorOptions(), description="the PointNet++ classifier behind FID and KID"
     )
     evaluation: EvaluationOptions = Field(EvaluationOptions(), description="metrics and their intervals")
+    studies: StudyOptions = Field(StudyOptions(), description="resolution and smoothing, beside the tables")
     latent: LatentOptions = Field(LatentOptions(), description="interpolations and sums of latents")
     nearest: NearestOptions = Field(NearestOptions(), description="nearest training shapes of samples")
     figures: FigureOptions = Field(FigureOptions(), description="what the figures show")
@@ -142,6 +144,9 @@ class Config(Options):
         for name in self.figures.models or []:
             if name not in self.models:
                 raise ValueError(f"figures.models: '{name}' is not one of {sorted(self.models)}")
+        for name in self.studies.smoothing.models:
+            if name not in self.models:
+                raise ValueError(f"studies.smoothing.models: '{name}' has no entry under models")
         return self
 
     def _check_data(self, name: str, model: Any) -> None:
@@ -166,7 +171,7 @@ class Config(Options):
         fit = [key for key, sampling in self.samplings.items() if _can_learn_from(model, sampling)]
         if model.sampling not in fit:
             raise ValueError(
-                f"models.{name}.sampling: '{model.sampling}' is none of those it can learn from, {sorted(fit)}"
+                f"models.{name}.sampling: '{model.sampling}' is none that it can learn from: {sorted(fit)}"
             )
 
     def _check_moved(self, name: str, model: DeftetOptions) -> None:
@@ -288,7 +293,7 @@ def _sizes_of_baseline(
     assert isinstance(sampling, VoxelOptions)
     sizes = {"voxels a side": sampling.resolution, **sizes}
     if isinstance(options, ShapeGanOptions):
-        stages = {32: 3, 64: 4}[sampling.resolution]  # from 8 voxels a side
+        stages = (sampling.resolution // 4).bit_length() - 1  # 8 voxels a side, 16, ...
         total = sum(epochs) if isinstance(epochs, list) else stages * epochs
         sizes |= {"cells a side": options.resolution, "epochs": total}
     return sizes

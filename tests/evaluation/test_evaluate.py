@@ -9,10 +9,16 @@ import trimesh
 
 from tetgan.errors import UserError
 from tetgan.evaluation.evaluate import evaluate_model, evaluate_real
-from tetgan.evaluation.options import EvaluationOptions, VarietyOptions
+from tetgan.evaluation.options import EvaluationOptions, SetOptions, VarietyOptions
 from tetgan.shapes.archive import write_meshes
 
-OPTIONS = EvaluationOptions(points=1500, samples=4, variety=VarietyOptions(pairs=6, closest=2, repeats=2))
+OPTIONS = EvaluationOptions(
+    points=1500,
+    volume_points=5000,
+    samples=4,
+    sets=SetOptions(shapes=5, points=256),
+    variety=VarietyOptions(pairs=6, closest=2, repeats=2),
+)
 IDS = ["a", "b", "c", "d", "e", "f"]
 
 
@@ -64,11 +70,18 @@ def samples(tmp_path_factory):
 def measure(originals, clouds, extractor, tmp_path_factory):
     """Runs the stage on a folder of samples and reads its report."""
 
-    def run(samples, options=OPTIONS):
+    def run(samples, options=OPTIONS, catalogue=originals[1]):
         identity = {"category": "slab", "model": "tetgan-LR", "grid": "LR", "mode": "paper", "seed": 0}
         out = tmp_path_factory.mktemp("metrics") / "metrics.json"
         evaluate_model(
-            samples, originals[0], clouds[0], extractor, options=options, identity=identity, out=out
+            samples,
+            originals[0],
+            clouds[0],
+            extractor,
+            options=options,
+            identity=identity,
+            out=out,
+            catalogue=catalogue,
         )
         return json.loads(out.read_text())
 
@@ -104,6 +117,7 @@ def test_a_perfect_reconstruction_measures_the_noise_floor(report):
     assert metrics["manifold_edges"]["value"] == metrics["manifold_shapes"]["value"] == 1
     assert metrics["boundary_edges"]["value"] == metrics["nonmanifold_edges"]["value"] == 0
     assert metrics["iou"]["value"] == 0.75
+    assert metrics["volume_iou"]["value"] == 1
     assert metrics["inverted_tets"]["value"] == 0.25
 
 
@@ -114,18 +128,59 @@ def test_fid_and_kid_are_measured_at_the_same_n_and_warn(report):
     assert any("FID at N = 4" in note for note in section["notes"])
 
 
+def test_sets_are_compared_at_the_same_n(report):
+    metrics = report["smoothings"]["none"]["metrics"]
+    assert {metrics[name]["n"] for name in ("mmd", "cov", "nna", "jsd", "novelty")} == {5}
+    for name in ("cov", "nna", "jsd", "precision", "recall"):
+        estimate = metrics[name]
+        assert 0 <= estimate["low"] <= estimate["value"] <= estimate["high"] <= 1
+    assert {metrics[name]["n"] for name in ("fid_infinity", "precision", "recall")} == {4}
+
+
+def test_copies_of_training_shapes_are_not_novel(report):
+    # Generated are boxes 0.2 to 0.4 high, training ones 0.3 to 0.45: the first two differ by 0.1 and 0.05.
+    area = 0.5 + 4 * 0.5 * 0.33
+    floor = 2 * area / (np.pi * OPTIONS.sets.points)
+    novelty = report["smoothings"]["none"]["metrics"]["novelty"]["value"]
+    assert floor < novelty < 2.5 * floor
+
+
+def test_without_a_catalogue_there_is_no_novelty(measure, samples):
+    metrics = measure(samples, catalogue=None)["smoothings"]["none"]["metrics"]
+    assert metrics["novelty"]["value"] is None
+    assert metrics["mmd"]["value"] is not None
+
+
 def test_the_same_inputs_give_the_same_figures(measure, samples, report):
     assert measure(samples) == report
 
 
 def test_too_few_samples_leave_metrics_empty(measure, samples):
-    options = OPTIONS.model_copy(update={"samples": 6, "variety": VarietyOptions(pairs=20, closest=2)})
+    options = OPTIONS.model_copy(
+        update={
+            "samples": 6,
+            "sets": SetOptions(shapes=6, points=64),
+            "variety": VarietyOptions(pairs=20, closest=2),
+        }
+    )
     section = measure(samples, options)["smoothings"]["wls"]
-    for metric in ("variety", "fid", "kid"):
+    for metric in (
+        "variety",
+        "fid",
+        "kid",
+        "fid_infinity",
+        "precision",
+        "recall",
+        "mmd",
+        "cov",
+        "nna",
+        "jsd",
+    ):
         assert section["metrics"][metric]["value"] is None
     assert section["notes"] == [
         "variety needs 7 surfaces and has 5",
-        "FID and KID need 6 surfaces on each side and have 5, 6",
+        "FID, KID, precision and recall need 6 surfaces on each side and have 5, 6",
+        "MMD, COV, 1-NNA and JSD need 6 surfaces on each side and have 5, 6",
     ]
 
 
@@ -159,3 +214,9 @@ def test_real_shapes_measure_their_own_floor(originals, clouds, extractor, tmp_p
     assert section["metrics"]["faces"] == {"value": 12, "low": 12, "high": 12, "n": 6, "std": None}
     assert section["metrics"]["manifold_shapes"]["value"] == 1
     assert section["metrics"]["fid"]["n"] == 4
+    assert section["metrics"]["volume_iou"]["value"] == 1
+    assert {section["metrics"][name]["n"] for name in ("mmd", "cov", "nna", "jsd", "novelty")} == {5}
+    note = next(note for note in section["notes"] if "sampled twice, 256 points each" in note)
+    assert float(note.split(": ")[1].split(". ")[0]) == pytest.approx(
+        2 * area / (np.pi * OPTIONS.sets.points), rel=0.3
+    )

@@ -10,7 +10,6 @@ from tetgan.evaluation.samples import SampleFolder
 from tetgan.evaluation.surfaces import (
     Topology,
     draw_sample,
-    manifold_edge_share,
     measure_topology,
     read_surface,
 )
@@ -18,15 +17,6 @@ from tetgan.evaluation.surfaces import (
 
 def write_certificate(folder, rows):
     pd.DataFrame(rows).to_csv(folder / "certificate.csv", index=False)
-
-
-def test_a_closed_box_is_manifold_and_a_box_without_a_face_is_not():
-    faces = trimesh.creation.box().faces
-    assert manifold_edge_share(faces) == 1
-    # 18 edges; dropping one triangle leaves its three with a single face.
-    assert manifold_edge_share(faces[1:]) == pytest.approx(15 / 18)
-    # A triangle twice over another: its edges have three faces.
-    assert manifold_edge_share(trimesh.util.np.vstack([faces, faces[:1]])) == pytest.approx(15 / 18)
 
 
 TETRAHEDRON = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
@@ -59,7 +49,7 @@ def test_vertices_without_faces_play_no_part():
 
 def test_no_faces_have_no_share():
     with pytest.raises(ValueError, match="no faces"):
-        manifold_edge_share(trimesh.creation.box().faces[:0])
+        measure_topology(trimesh.creation.box().faces[:0])
 
 
 def test_a_surface_is_read_exactly_as_stored(tmp_path):

@@ -29,6 +29,8 @@ def report(model: str, seed: int = 0, tets: int = 9216, digest: str = "abc", **m
         "fscore_threshold": 0.01,
         "samples": 4,
         "variety": {"definition": "text", "pairs": 250, "closest": 25, "repeats": 5},
+        "volume_points": 20000,
+        "sets": {"shapes": 4, "points": 512},
         "bootstrap": {"level": 0.95},
     }
     extractor = {"digest": digest, "accuracy": 0.971, "categories": ["chair", "car"]}
@@ -104,6 +106,14 @@ def test_one_seed_keeps_its_own_deviation_and_interval(tmp_path):
     assert (row["seeds"], row["n"], row["tets"]) == ("1", "4", "9216")
 
 
+def test_every_metric_has_its_place_in_the_readable_table(tmp_path):
+    metrics = {name: (round(0.1 + 0.01 * i, 3),) for i, name in enumerate(METRICS)}
+    _, text = make_table(tmp_path, [report("tetgan-LR", **metrics)])
+    for name, (value,) in metrics.items():
+        assert f"| {value}" in text, name
+    assert "MMD, COV and 1-NNA: 4 shapes on each side, Chamfer distance of 512 points a shape" in text
+
+
 def test_several_seeds_give_their_mean_and_deviation(tmp_path):
     seeds = [
         report("tetgan-LR", seed, chamfer=(value, value - 1, value + 1, 9))
@@ -167,6 +177,27 @@ def test_supplement_belongs_to_the_grid_it_names():
     assert published(figures, "vase", "tetgan-LR", "LR", "none") == {}
     assert published(figures, "sofa", "tetgan-LR", "LR", "wls")["chamfer"] == "0.0024"
     assert published(figures, "car", "tetgan-LR", "LR", "none") == {}
+
+
+def test_baselines_stand_beside_their_own_figures():
+    figures = read_paper(PAPER)
+    assert published(figures, "chair", "occnet", "", "none")["faces"] == "86901"
+    assert published(figures, "chair", "occnet-simplified", "", "none")["chamfer"] == "0.019"
+    assert "chamfer" not in published(figures, "chair", "shapegan-gan", "", "none")
+    assert published(figures, "chair", "shapegan-gan-simplified", "", "none")["fid"] == "3.87"
+    assert published(figures, "vase", "shapegan-vae", "", "none")["fid"] == "20.51"
+    assert published(figures, "vase", "shapegan-vae-simplified", "", "none") == {}
+
+
+def test_a_model_that_is_never_smoothed_has_no_smoothing(tmp_path):
+    occnet = report("occnet", variety=(0.5,)) | {"grid": "", "tets": None, "simplified": True}
+    del occnet["smoothings"]["wls"]
+    table, _ = make_table(tmp_path, [report("tetgan-LR"), occnet])
+    rows = table.set_index("model")
+    assert list(rows.loc["tetgan-LR", "smoothing"]) == ["none", "wls"]
+    row = rows.loc["occnet"]
+    assert (row["smoothing"], row["grid"], row["tets"], row["simplified"]) == ("", "", "", "True")
+    assert row["variety_paper"] == "0.0041"
 
 
 def test_other_columns_are_not_the_papers_figures(tmp_path):

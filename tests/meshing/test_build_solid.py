@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tetgan.fields.extract import extract_field
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.grid import tet_volumes
 from tetgan.grids.hierarchy import build_hierarchy
@@ -70,6 +70,24 @@ def test_only_boundary_vertices_move_and_by_equation_3(grid, operator, make_fiel
     assert 0 < boundary.sum() < len(used)
     np.testing.assert_array_equal(moved[~boundary], 0)
     np.testing.assert_allclose(moved[boundary], (operator @ field.displacement)[used][boundary], atol=1e-9)
+
+
+@pytest.mark.parametrize("smoothing", [False, True])
+def test_displacements_at_vertices_move_them_as_eq_3_would(grid, operator, make_field, smoothing):
+    field = make_field(0, 0.9)
+    at_vertices = VertexField(field.occupancy, (operator @ field.displacement).astype(np.float32))
+    one, other = (
+        build_solid(each, grid, operator, FAR, PAPER, smoothing=smoothing) for each in (field, at_vertices)
+    )
+    np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-8)  # float32 of some hundredths
+    np.testing.assert_array_equal(one.tets, other.tets)
+
+
+def test_smoothing_does_nothing_without_displacement(grid, operator, make_field):
+    # The weights of Eq. 4 are cosines of displacements, so occupancy alone is never smoothed.
+    field = still(make_field(0, 0.9).occupancy)
+    rough, smooth = (build_solid(field, grid, operator, FAR, PAPER, smoothing=on) for on in (False, True))
+    np.testing.assert_array_equal(rough.vertices, smooth.vertices)
 
 
 def test_smoothing_leaves_the_inside_alone(grid, operator, make_field):

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tetgan.fields.field import Field, surface_tets
+from tetgan.fields.field import Field, VertexField, surface_tets
 from tetgan.meshing.filtering import filter_occupancy
 
 fixtures_are_constant = settings(
@@ -29,6 +29,20 @@ def test_inner_tets_stay_however_far_they_are(grid):
     field = Field(full, np.ones((len(full), 3), dtype=np.float32))
     kept = filter_occupancy(field, grid.neighbors, mu=0.01, gamma=4.0)
     np.testing.assert_array_equal(kept, full & ~surface_tets(full, grid.neighbors))
+
+
+def test_without_gamma_nothing_is_dropped(grid, make_field):
+    field = make_field(0)
+    assert (filter_occupancy(field, grid.neighbors, mu=1e-6, gamma=4.0) != field.occupancy).any()
+    np.testing.assert_array_equal(
+        filter_occupancy(field, grid.neighbors, mu=1e-6, gamma=None), field.occupancy
+    )
+
+
+def test_displacements_at_vertices_have_nothing_to_compare(grid, make_field):
+    far = np.ones((len(grid.vertices), 3), dtype=np.float32)
+    field = VertexField(make_field(0).occupancy, far)
+    np.testing.assert_array_equal(filter_occupancy(field, grid.neighbors, 1e-6, 4.0), field.occupancy)
 
 
 @pytest.mark.parametrize("share", [0, 1])

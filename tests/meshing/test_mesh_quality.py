@@ -6,7 +6,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tetgan.grids.adjacency import boundary_faces
-from tetgan.meshing.quality import dihedral_angles, quality_record
+from tetgan.meshing.quality import dihedral_angles, quality_record, radius_ratios
 from tetgan.meshing.solid import SolidMesh
 
 REGULAR = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
@@ -47,6 +47,28 @@ def test_angles_do_not_change_with_place_size_or_orientation(seed):
     assert ((angles > 0) & (angles < 180)).all()
 
 
+def test_radius_ratios_of_known_tets():
+    flat = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    vertices = np.concatenate([REGULAR, CORNER, flat, np.ones((4, 3))])
+    # The corner: inner radius 1 / (3 + sqrt 3), outer sqrt(3) / 2.
+    corner = 3 / (3 + np.sqrt(3)) / (np.sqrt(3) / 2)
+    ratios = radius_ratios(vertices, np.arange(16).reshape(4, 4))
+    np.testing.assert_allclose(ratios, [1, corner, 0, 0], atol=1e-12)
+
+
+@given(seed=st.integers(0, 2**32 - 1))
+@settings(max_examples=30, deadline=None)
+def test_a_radius_ratio_is_that_of_the_two_spheres(seed):
+    vertices = np.random.default_rng(seed).normal(size=(4, 3))
+    # Centre of the outer sphere: as far from each vertex as from the first.
+    edges = vertices[1:] - vertices[0]
+    outer = np.linalg.norm(np.linalg.solve(2 * edges, (edges**2).sum(axis=1)))
+    faces = [np.delete(vertices, opposite, axis=0) for opposite in range(4)]
+    areas = [np.linalg.norm(np.cross(face[1] - face[0], face[2] - face[0])) / 2 for face in faces]
+    inner = 3 * abs(np.linalg.det(edges)) / 6 / sum(areas)
+    assert radius_ratios(vertices, TET)[0] == pytest.approx(3 * inner / outer, rel=1e-6)
+
+
 def test_the_record_of_one_tet():
     record = quality_record(solid(CORNER, TET))
     assert record == {
@@ -55,7 +77,10 @@ def test_the_record_of_one_tet():
         "inverted_tets": 0,
         "min_dihedral": pytest.approx(54.7356, abs=1e-4),
         "volume": pytest.approx(1 / 6),
+        # Straight in from a face at a corner's right angles: its centroid lies 1/3 under the slanted face.
+        "thickness": pytest.approx(1 / 3, abs=1e-5),
         "components": 1,
+        "floating": 0.0,
         "manifold_edges": 1.0,
     }
 
@@ -66,6 +91,7 @@ def test_inverted_and_flat_tets_are_counted():
     record = quality_record(solid(vertices, np.arange(12).reshape(3, 4)))
     assert record["inverted_tets"] == 2
     assert record["components"] == 3
+    assert record["floating"] == pytest.approx(2 / 3)
     assert record["volume"] == pytest.approx(0, abs=1e-12)
     assert record["min_dihedral"] == 0
 
@@ -90,7 +116,9 @@ def test_counts_agree_with_naive_ones(seed, share, grid):
     if len(chosen) == 0:
         return
     record = quality_record(solid(grid.vertices, grid.tets[chosen]))
-    assert record["components"] == flood_count(set(chosen.tolist()), grid.neighbors)
+    sizes = flood_sizes(set(chosen.tolist()), grid.neighbors)
+    assert record["components"] == len(sizes)
+    assert record["floating"] == pytest.approx(1 - max(sizes) / len(chosen))
     faces = {}
     for face in boundary_faces(grid.tets[chosen]).tolist():
         for pair in zip(face, face[1:] + face[:1], strict=True):
@@ -99,14 +127,14 @@ def test_counts_agree_with_naive_ones(seed, share, grid):
     assert record["manifold_edges"] == pytest.approx(np.mean([count == 2 for count in faces.values()]))
 
 
-def flood_count(tets, neighbors):
-    count = 0
+def flood_sizes(tets, neighbors):
+    sizes = []
     while tets:
-        count += 1
-        front = [tets.pop()]
+        before, front = len(tets), [tets.pop()]
         while front:
             for other in neighbors[front.pop()].tolist():
                 if other in tets:
                     tets.remove(other)
                     front.append(other)
-    return count
+        sizes.append(before - len(tets))
+    return sizes

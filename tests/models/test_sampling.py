@@ -14,6 +14,7 @@ from tetgan.models.sampling import generate_fields, reconstruct_fields
 OPTIONS = [
     TetganOptions(grid="smoke", latent="global", width=4, code=6),
     TetganOptions(grid="smoke", latent="tet", width=4, code=6, pool="mean", upsample="copy"),
+    TetganOptions(grid="smoke", latent="conv", width=4, code=6, convolution="shared", displacement=False),
     PcaOptions(kind="pca", grid="smoke", components=3),
     RepresentationOptions(kind="representation", grid="smoke"),
 ]

@@ -12,6 +12,7 @@ from tetgan.models.critics import GlobalCritic, LocalCritic
 from tetgan.models.layers import TetHierarchy
 from tetgan.models.options import TetganOptions
 from tetgan.models.tetgan import TetganGenerator
+from tetgan.nn.conv import TetConv
 
 SMALL = {"grid": "smoke", "width": 8, "code": 12}
 
@@ -105,3 +106,50 @@ def test_a_head_started_from_features_gives_them_back(latent):
     kept = codes.flatten(0, -2)[:, :5]
     torch.testing.assert_close(kept.var(dim=0, correction=0), torch.ones(5), rtol=1e-3, atol=0)
     assert (log_variance < -2).all()
+
+
+def shapes_of(**changes) -> dict[str, torch.Size]:
+    """Sizes of all weights of a small model."""
+    model = TetganGenerator(TetganOptions.parse({**SMALL, **changes}), build_hierarchy(1, 1))
+    return {name: value.shape for name, value in model.state_dict().items()}
+
+
+@pytest.mark.parametrize("latent", ["global", "conv"])
+def test_shared_convolutions_change_the_number_of_matrices_alone(latent):
+    full, shared = shapes_of(latent=latent), shapes_of(latent=latent, convolution="shared")
+    assert full.keys() == shared.keys()
+    convolutions = {name for name, shape in full.items() if len(shape) == 3 and shape[0] == 5}
+    for name, shape in shared.items():
+        assert shape == (torch.Size([2, *full[name][1:]]) if name in convolutions else full[name])
+
+
+def test_critics_share_too_where_the_model_does():
+    model = TetganGenerator(TetganOptions.parse({**SMALL, "convolution": "shared"}), build_hierarchy(1, 1))
+    for critic in LocalCritic(model.hierarchy, 2), GlobalCritic(model.hierarchy, 2):
+        convolutions = [module for module in critic.modules() if isinstance(module, TetConv)]
+        assert convolutions and all(len(module.weight) == 2 for module in convolutions)
+
+
+def test_without_displacement_only_the_ends_are_thinner():
+    full, bare = shapes_of(), shapes_of(displacement=False)
+    assert full.keys() == bare.keys()
+    first, *_ = (name for name in full if name.startswith("encoder"))
+    last = [name for name in full if name.startswith("decoder")][-2:]  # weight and bias
+    thinner = {name: (full[name], bare[name]) for name in full if full[name] != bare[name]}
+    assert thinner == {
+        first: (torch.Size([5, 4, 8]), torch.Size([5, 1, 8])),
+        last[0]: (torch.Size([5, 8, 4]), torch.Size([5, 8, 1])),
+        last[1]: (torch.Size([4]), torch.Size([1])),
+    }
+
+
+def test_without_displacement_none_is_read_or_written():
+    model = TetganGenerator(TetganOptions.parse({**SMALL, "displacement": False}), build_hierarchy(1, 1))
+    field = torch.rand(2, 192, 4, generator=torch.Generator().manual_seed(0))
+    other = torch.cat([field[..., :1], -field[..., 1:]], dim=-1)
+    code = model.encode(field)
+    assert torch.equal(code, model.encode(other))
+    for seen in model.decode(code), model.in_range(field):
+        assert seen.shape == field.shape
+        assert not seen[..., 1:].any()
+    assert torch.equal(model.in_range(field)[..., 0], field[..., 0])

@@ -89,6 +89,37 @@ def test_a_penalty_on_input_gradients_reaches_the_weights(neighbors):
     assert penalties[0].abs().sum() > 0
 
 
+@pytest.mark.parametrize(("channels", "out"), WIDTHS)
+def test_unordered_neighbors_share_a_matrix(neighbors, channels, out):
+    conv = TetConv(channels, out, TetNeighbors(neighbors, ordered=False)).double()
+    assert sum(p.numel() for p in conv.parameters()) == 2 * channels * out + out
+    tied = torch.stack([conv.weight[0], *4 * [conv.weight[1]]])
+    x = draw(len(neighbors), 2, channels)
+    ordered = tet_conv(x, tied, conv.bias, TetNeighbors(neighbors))
+    torch.testing.assert_close(conv(x), ordered, rtol=0, atol=0)
+
+
+def test_unordered_neighbors_may_change_places(neighbors):
+    x, elsewhere = draw(len(neighbors), 1, 9), neighbors[:, [2, 0, 3, 1]]
+    for ordered in (False, True):
+        conv = TetConv(9, 9, TetNeighbors(neighbors, ordered=ordered)).double()
+        turned = TetConv(9, 9, TetNeighbors(elsewhere, ordered=ordered)).double()
+        turned.load_state_dict(conv.state_dict())
+        assert torch.allclose(conv(x), turned(x), rtol=1e-12, atol=1e-12) != ordered
+
+
+@pytest.mark.parametrize(("channels", "out"), [(2, 10), (10, 2), (9, 9)])
+def test_derivatives_of_a_shared_matrix(few, channels, out):
+    conv = TetConv(channels, out, TetNeighbors(few, ordered=False)).double()
+    inputs = draw(len(few), 1, channels, requires_grad=True), draw(2, channels, out, requires_grad=True)
+
+    def convolve(x, weight):
+        return torch.func.functional_call(conv, {"weight": weight}, (x,))
+
+    assert torch.autograd.gradcheck(convolve, inputs, fast_mode=True)
+    assert torch.autograd.gradgradcheck(convolve, inputs, fast_mode=True)
+
+
 def test_half_precision_under_autocast(neighbors):
     conv = TetConv(12, 12, TetNeighbors(neighbors))
     x = draw(len(neighbors), 2, 12).float()

@@ -1,4 +1,4 @@
-"""Stools, chairs and tables made of boxes, their meshes, fields, and a model that knows them by heart."""
+"""Simple solids; seats made of boxes, their meshes, fields, and a model that knows them by heart."""
 
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from tetgan.models.baselines.pca import PcaGenerator
 from tetgan.models.options import PcaOptions
 from tetgan.models.registry import save_generator
 from tetgan.shapes.archive import write_meshes
+from tetgan.studies.torus import Torus
 
 Mesh = tuple[np.ndarray, np.ndarray]
 HIERARCHY = build_hierarchy(1, 2)
@@ -75,3 +76,22 @@ def model(project, store) -> Path:
     generator.fit(lambda part: tensor[:, part])
     save_generator(project / "model", generator, options, store.hierarchy)
     return project / "model"
+
+
+@pytest.fixture(scope="session")
+def torus():
+    return Torus(major=0.3, minor=0.12, axis=(1.0, 2.0, 3.0))
+
+
+@pytest.fixture(scope="session")
+def ball():
+    """Vertices and faces of a ball of radius 0.4 about the middle of the cube."""
+    mesh = trimesh.creation.icosphere(subdivisions=2, radius=0.4)
+    return np.array(mesh.vertices) + 0.5, np.array(mesh.faces, dtype=np.int64)
+
+
+@pytest.fixture(scope="session")
+def cube():
+    """Vertices and faces of the unit cube, two triangles a side."""
+    mesh = trimesh.creation.box((1, 1, 1))
+    return np.array(mesh.vertices) + 0.5, np.array(mesh.faces, dtype=np.int64)

@@ -15,12 +15,11 @@ HIERARCHY = build_hierarchy(1, 1)
 MODEL = {"grid": "smoke", "width": 4, "code": 6, "local_critic_width": 2, "global_critic_width": 4}
 
 
-def learner(**training) -> Learner:
+def learner(model=None, **training) -> Learner:
     options = TrainingOptions.parse({"learning_rate": 1e-2, "critic_learning_rate": 1e-2} | training)
     operator = vertex_operator(HIERARCHY.finest)
-    return Learner(
-        TetganOptions.parse(MODEL), options, HIERARCHY, operator, seed=0, device=torch.device("cpu")
-    )
+    chosen = TetganOptions.parse(MODEL | (model or {}))
+    return Learner(chosen, options, HIERARCHY, operator, seed=0, device=torch.device("cpu"))
 
 
 @pytest.fixture
@@ -55,6 +54,16 @@ def test_a_critic_step_moves_critics_alone(field):
     assert any(moved(subject.critics["local"], critics[: len(list(subject.critics["local"].parameters()))]))
 
 
+def test_a_late_critic_learns_at_its_full_rate(field):
+    early, late = learner(), learner()
+    late.set_rate(0.01)
+    for subject in (early, late):
+        subject.critic_step(field, step_draws(0, 0))
+        subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    assert not any(moved(late.critics, snapshot(early.critics)))
+    assert all(moved(late.generator, snapshot(early.generator)))
+
+
 def test_an_adversarial_step_moves_the_decoder_alone():
     subject = learner()
     encoder, critics = snapshot(subject.generator.encoder), snapshot(subject.critics)
@@ -83,6 +92,37 @@ def test_the_decoder_learns_to_raise_each_score(field, name):
     assert list(subject.critics) == [name]
     losses = [subject.adversarial_step(4, step_draws(1, 0))["adversarial_loss"] for _ in range(10)]
     assert losses[-1] < losses[0]
+
+
+@pytest.mark.parametrize("name", ["local", "global"])
+def test_a_negative_weight_lowers_the_score(field, name):
+    """As in the official code, whose global critic has the wrong sign; the critic itself learns as always."""
+    weights = {"local_weight": 0.0, "global_weight": 0.0} | {f"{name}_weight": -1.0}
+    subject = learner(**weights, learning_rate=1e-3)
+    for step in range(5):
+        subject.critic_step(field, step_draws(0, step))
+    assert list(subject.critics) == [name]
+    scores = [subject.adversarial_step(4, step_draws(1, 0))["adversarial_loss"] for _ in range(10)]
+    assert scores[-1] < scores[0]  # a loss of -(-1) score
+
+
+def test_without_displacement_nothing_but_occupancy_is_learned(field):
+    subject = learner(model={"displacement": False})
+    generator = snapshot(subject.generator)
+    losses = subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    assert all(moved(subject.generator, generator))
+    assert losses["displacement_loss"] == 0
+    losses = subject.critic_step(field, step_draws(0, 0))
+    assert losses.keys() == {"local_gap", "local_penalty", "global_gap", "global_penalty"}
+
+
+def test_shared_convolutions_train_like_others(field):
+    subject = learner(model={"convolution": "shared"})
+    generator, critics = snapshot(subject.generator), snapshot(subject.critics)
+    subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    subject.critic_step(field, step_draws(0, 0))
+    assert all(moved(subject.generator, generator))
+    assert any(moved(subject.critics, critics))
 
 
 def test_the_average_follows_the_weights():

@@ -77,4 +77,5 @@ def test_when_critics_train():
     late = options(head_start=0.75, adversarial_every=3)
     assert [step for step in range(12) if adversarial_step_due(step, 12, late)] == [9]
     assert not adversarial_step_due(0, 12, options(local_weight=0, global_weight=0))
+    assert adversarial_step_due(0, 12, options(local_weight=0, global_weight=-0.01))
     assert not adversarial_step_due(11, 12, options(adversarial_start=1))

@@ -1,4 +1,4 @@
-"""Every shipped config plans its whole `paper` target, with nothing there yet; profiles name rules that exist."""
+"""Every shipped config plans its `paper` target, with nothing there yet; profiles name rules that exist."""
 
 import re
 
@@ -30,7 +30,6 @@ def test_a_config_plans_everything_it_holds(project, name):
 @pytest.mark.parametrize("name", ["overnight.yaml", "paper.yaml"])
 def test_the_large_configs_hold_all_six_categories(name):
     config = yaml.safe_load((ROOT / "config" / name).read_text())
-    assert set(config["categories"]) == set(config["sources"])
     assert set(config["categories"]) == {"chair", "sofa", "bench", "table", "car", "vase"}
 
 
@@ -46,7 +45,6 @@ def test_a_source_that_is_not_there_is_named_in_one_line(project):
 def test_a_profile_names_rules_that_exist(path):
     profile = yaml.safe_load(path.read_text())
     named = {*profile.get("set-resources", {}), *profile.get("set-threads", {})}
-    assert named
     assert named <= rule_names()
 
 
@@ -55,3 +53,12 @@ def test_the_cluster_profile_gives_a_gpu_to_every_rule_that_trains():
     assert profile["executor"] == "slurm"
     given = {rule for rule, resources in profile["set-resources"].items() if resources.get("gpu")}
     assert {name for name in rule_names() if name.startswith("train_")} <= given
+
+
+@pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.parent.name)
+def test_a_profile_plans_the_smoke_run(path, project, tmp_path):
+    # Without its executor, which is a plugin that need not be installed here.
+    profile = {key: value for key, value in yaml.safe_load(path.read_text()).items() if key != "executor"}
+    (tmp_path / "config.yaml").write_text(yaml.safe_dump(profile))
+    jobs = planned(project.smoke("-n", "paper", "--workflow-profile", str(tmp_path)))
+    assert jobs["train_extractor"] == 1

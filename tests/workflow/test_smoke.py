@@ -20,9 +20,17 @@ def test_the_smoke_run_ends_with_a_whole_table(smoked):
         assert (model, "wls") in rows
     for model in ("representation-LR", "representation-HR", "pca-16", "real"):
         assert model in set(table["model"])
+    for model, simplified in (("occnet", False), ("shapegan-vae", False), ("shapegan-gan-simplified", True)):
+        row = table[table["model"] == model]
+        assert (len(row), row["simplified"].item()) == (1, simplified)
+        assert row["smoothing"].isna().item()
     measured = table[table["model"].str.startswith("representation")]
     assert measured[["chamfer", "faces", "manifold_edges", "iou"]].notna().all(axis=None)
     assert (measured["iou"] == 1).all()
+    assert measured["volume_iou"].between(0.1, 1).all()
+    real = table[table["model"] == "real"]
+    sets = ["mmd", "cov", "nna", "jsd", "novelty", "fid_infinity", "precision", "recall", "volume_iou"]
+    assert real[sets].notna().all(axis=None)
     paper = table[(table["model"] == "tetgan-HR") & (table["smoothing"] == "none")]
     assert paper["fid_paper"].item() == pytest.approx(1.35)
     assert (project.folder / TARGETS[0]).with_suffix(".md").read_text().count("|") > 50

@@ -1,16 +1,28 @@
 """A figure, its interval, and on how much it rests."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
+from tetgan.evaluation.coverage import set_measures
+from tetgan.evaluation.extrapolation import FEWEST, fid_infinity, fid_infinity_interval
 from tetgan.evaluation.frechet import fid, fid_interval, kid, kid_interval
 from tetgan.evaluation.intervals import bootstrap_mean, student_interval
+from tetgan.evaluation.jsd import jsd, jsd_interval
+from tetgan.evaluation.manifolds import feature_sets, precision_recall
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.seeds import named_rng
+from tetgan.evaluation.twosets import TwoSets, bootstrap_measures
+
+SHARES = ("cov", "nna", "precision", "recall")
+"""Metrics that cannot exceed 1, nor can their intervals."""
+
+FEATURE_METRICS = ("fid", "kid", "fid_infinity", "precision", "recall")
+SET_METRICS = ("mmd", "cov", "nna", "jsd")
 
 
 @dataclass(frozen=True)
@@ -20,7 +32,7 @@ class Estimate:
     Attributes:
         value: the figure.
         low, high: its interval.
-        n: items it rests on (meshes; for FID and KID those of each side).
+        n: items it rests on (meshes; of two sets those of each).
         std: deviation over repeats (variety) or blocks (KID).
     """
 
@@ -59,18 +71,82 @@ def repeats_estimate(values: Float[np.ndarray, "R"], n: int, options: Evaluation
 def feature_estimates(
     found: Float[np.ndarray, "N F"], real: Float[np.ndarray, "N F"], options: EvaluationOptions
 ) -> dict[str, Estimate]:
-    """FID and KID of two sets of equal size."""
-    bootstrap = options.bootstrap
-    fid_ends = fid_interval(
-        found, real, bootstrap.frechet_resamples, bootstrap.level, named_rng(options.seed, "bootstrap", "fid")
-    )
-    kid_ends = kid_interval(
-        found, real, bootstrap.resamples, bootstrap.level, named_rng(options.seed, "bootstrap", "kid")
-    )
-    distance = kid(
-        found, real, options.kernel.block, options.kernel.blocks, named_rng(options.seed, "blocks")
-    )
+    """`FEATURE_METRICS` of two sets of equal size."""
+    sets = feature_sets(found, real)
     return {
-        "fid": Estimate(fid(found, real), *fid_ends, n=len(found)),
-        "kid": Estimate(distance.value, *kid_ends, n=len(found), std=distance.std),
+        "fid": _fid_estimate(found, real, options),
+        "kid": _kid_estimate(found, real, options),
+        "fid_infinity": _fid_infinity_estimate(found, real, options),
+        **_measure_estimates(precision_recall, sets, "features", options),
+    }
+
+
+def set_estimates(sets: TwoSets, options: EvaluationOptions) -> dict[str, Estimate]:
+    """MMD, COV and 1-NNA of two sets of equal size by their Chamfer distances."""
+    return _measure_estimates(set_measures, sets, "sets", options)
+
+
+def jsd_estimate(
+    found: Float[np.ndarray, "N P 3"], real: Float[np.ndarray, "N P 3"], options: EvaluationOptions
+) -> Estimate:
+    """JSD of two sets of equal size."""
+    bootstrap = options.bootstrap
+    rng = named_rng(options.seed, "bootstrap", "jsd")
+    low, high = jsd_interval(found, real, bootstrap.frechet_resamples, bootstrap.level, rng)
+    return Estimate(jsd(found, real), max(low, 0.0), min(high, 1.0), n=len(found))
+
+
+def _fid_estimate(
+    found: Float[np.ndarray, "N F"], real: Float[np.ndarray, "N F"], options: EvaluationOptions
+) -> Estimate:
+    bootstrap = options.bootstrap
+    rng = named_rng(options.seed, "bootstrap", "fid")
+    ends = fid_interval(found, real, bootstrap.frechet_resamples, bootstrap.level, rng)
+    return Estimate(fid(found, real), *ends, n=len(found))
+
+
+def _kid_estimate(
+    found: Float[np.ndarray, "N F"], real: Float[np.ndarray, "N F"], options: EvaluationOptions
+) -> Estimate:
+    bootstrap, kernel = options.bootstrap, options.kernel
+    rng = named_rng(options.seed, "bootstrap", "kid")
+    ends = kid_interval(found, real, bootstrap.resamples, bootstrap.level, rng)
+    distance = kid(found, real, kernel.block, kernel.blocks, named_rng(options.seed, "blocks"))
+    return Estimate(distance.value, *ends, n=len(found), std=distance.std)
+
+
+def _fid_infinity_estimate(
+    found: Float[np.ndarray, "N F"], real: Float[np.ndarray, "N F"], options: EvaluationOptions
+) -> Estimate:
+    """Missing where there are too few to cut."""
+    if len(found) < FEWEST:
+        return Estimate()
+    bootstrap = options.bootstrap
+    value = fid_infinity(found, real, named_rng(options.seed, "parts"))
+    ends = fid_infinity_interval(
+        found,
+        real,
+        value=value,
+        resamples=bootstrap.frechet_resamples,
+        level=bootstrap.level,
+        rng=named_rng(options.seed, "bootstrap", "fid_infinity"),
+    )
+    return Estimate(value, *ends, n=len(found))
+
+
+def _measure_estimates(
+    measure: Callable[[TwoSets], Mapping[str, float]], sets: TwoSets, name: str, options: EvaluationOptions
+) -> dict[str, Estimate]:
+    """Measures of two sets, each within its bounds."""
+    bootstrap = options.bootstrap
+    rng = named_rng(options.seed, "bootstrap", name)
+    ends = bootstrap_measures(measure, sets, bootstrap.frechet_resamples, bootstrap.level, rng)
+    return {
+        metric: Estimate(
+            value,
+            max(ends[metric].low, 0.0),
+            min(ends[metric].high, 1.0 if metric in SHARES else inf),
+            n=len(sets.generated),
+        )
+        for metric, value in measure(sets).items()
     }

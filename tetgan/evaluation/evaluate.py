@@ -1,7 +1,7 @@
 """Stages: measure the samples of a model, and real shapes against real shapes."""
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,17 +13,19 @@ from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
-from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample, compare_surfaces
-from tetgan.evaluation.features import cloud_features
+from tetgan.evaluation.chamfer import SurfaceSample
+from tetgan.evaluation.features import about_extractor, cloud_features
 from tetgan.evaluation.options import EvaluationOptions
+from tetgan.evaluation.originals import read_splits, repaired_meshes, training_cloud, training_clouds
+from tetgan.evaluation.pairwise import resampled_chamfer
+from tetgan.evaluation.reconstructions import Reconstruction, draw_truth, measure_reconstruction
 from tetgan.evaluation.samples import SOLID_METRICS, SampleFolder
-from tetgan.evaluation.sections import RealFeatures, Section, draw_real
-from tetgan.evaluation.seeds import named_rng, named_seed
+from tetgan.evaluation.sections import RealFeatures, RealSet, Section, draw_clouds, draw_real, draw_real_set
+from tetgan.evaluation.seeds import choose, named_seed
 from tetgan.evaluation.surfaces import Surface, Topology, draw_sample, measure_topology
+from tetgan.evaluation.variety import pool_size
 from tetgan.files import whole_file
 from tetgan.models.pointnet2 import Classifier, load_classifier
-from tetgan.shapes.archive import read_meshes
-from tetgan.shapes.catalogue import read_catalogue
 from tetgan.shapes.clouds import read_clouds
 
 SMOOTHINGS = ("none", "wls")
@@ -39,6 +41,7 @@ def evaluate_model(
     options: EvaluationOptions,
     identity: Mapping[str, Any],
     out: Path,
+    catalogue: Path | None = None,
     threads: int = 1,
 ) -> None:
     """Measure a model's reconstructions against the repaired meshes, and its samples against the hold-out.
@@ -51,6 +54,7 @@ def evaluate_model(
         options: conventions (docs/metrics.md).
         identity: what the row of a table says of the model; `about.json` adds to it.
         out: JSON to write.
+        catalogue: tells which of the meshes are training shapes; without it there is no novelty.
         threads: KD-tree queries side by side; torch's own number is left as it is.
 
     Raises:
@@ -61,9 +65,15 @@ def evaluate_model(
         raise UserError(f"{samples}: no samples; expected a folder 'none' or 'wls' in it")
     classifier = _load_extractor(extractor)
     real = read_clouds(clouds)
-    options = _within_holdout(options, len(real.holdout))
-    holdout = draw_real(real.holdout, "holdout", classifier, options)
-    yardstick = _Yardstick(options, classifier, holdout, threads)
+    options = options.at_most(len(real.holdout))
+    yardstick = _Yardstick(
+        options,
+        classifier,
+        draw_real(real.holdout, "holdout", classifier, options),
+        draw_real_set(real.holdout, "holdout", options),
+        training_clouds(meshes, read_splits(catalogue), options) if catalogue else None,
+        threads,
+    )
     reconstructions = _measure_reconstructions(folders, meshes, options)
     sections = {
         name: _measure_smoothing(folder, reconstructions[name], yardstick) for name, folder in folders.items()
@@ -84,9 +94,9 @@ def evaluate_real(
 ) -> None:
     """Measure real shapes as if they had been generated: the floor, or ceiling, of every metric.
 
-    FID and KID compare training clouds with hold-out clouds; Chamfer and its kin each validation mesh with
-    itself, sampled twice; variety is that of training meshes; faces and manifold edges those of all repaired
-    meshes.
+    Features and sets compare training clouds with hold-out clouds; Chamfer and its kin each validation mesh
+    with itself, sampled twice; novelty is that of hold-out clouds beside the training meshes; variety that of
+    training meshes; faces and manifold edges those of all repaired meshes.
 
     Args:
         meshes, catalogue: shards of repaired meshes, and the catalogue that splits them.
@@ -98,24 +108,25 @@ def evaluate_real(
     """
     classifier = _load_extractor(extractor)
     real = read_clouds(clouds)
-    options = _within_holdout(options, len(real.holdout))
-    repaired = _measure_repaired(meshes, _splits(catalogue), options)
+    options = options.at_most(len(real.holdout))
+    repaired = _measure_repaired(meshes, read_splits(catalogue), options)
     section = Section(options)
-    section.add_distances(repaired.floor)
+    section.add_reconstructions(repaired.floor)
     section.add_means({"faces": repaired.faces})
     section.add_topology(repaired.topology)
     section.add_variety(repaired.samples, threads)
     holdout = draw_real(real.holdout, "holdout", classifier, options)
     train = draw_real(real.train, "train", classifier, options)
     section.add_feature_distances(train.features, train.available, holdout)
+    training = np.array(repaired.training).reshape(-1, options.sets.points, 3)
+    section.add_set_distances(
+        draw_clouds(real.train, "train", options), draw_real_set(real.holdout, "holdout", options)
+    )
+    section.add_novelty(draw_clouds(real.holdout, "holdout", options), training)
+    section.note_resampled(repaired.resampled)
     section.count("generated", len(repaired.faces), len(repaired.faces))
     identity = {"category": category, "model": "real"}
     _write_report(identity, classifier, options, {"none": section}, out)
-
-
-def _within_holdout(options: EvaluationOptions, held_out: int) -> EvaluationOptions:
-    """Options that ask for no more surfaces than are held out, so that every row has the same N."""
-    return options.model_copy(update={"samples": max(2, min(options.samples, held_out))})
 
 
 class _Yardstick(NamedTuple):
@@ -124,25 +135,21 @@ class _Yardstick(NamedTuple):
     options: EvaluationOptions
     classifier: Classifier
     holdout: RealFeatures
+    reference: RealSet
+    training: Float[np.ndarray, "N P 3"] | None
     threads: int
-
-
-class _Reconstruction(NamedTuple):
-    """How far from the truth, and what it is made of."""
-
-    distance: SurfaceDistance
-    faces: int
-    topology: Topology
 
 
 @dataclass
 class _Repaired:
-    """What the repaired meshes of a category say."""
+    """What the repaired meshes of a category say; `resampled` is the floor with the points of sets."""
 
-    floor: list[SurfaceDistance] = field(default_factory=list)
+    floor: list[Reconstruction] = field(default_factory=list)
+    resampled: list[float] = field(default_factory=list)
     faces: list[int] = field(default_factory=list)
     topology: list[Topology] = field(default_factory=list)
     samples: list[SurfaceSample] = field(default_factory=list)
+    training: list[Float[np.ndarray, "P 3"]] = field(default_factory=list)
 
 
 def _load_extractor(folder: Path) -> Classifier:
@@ -155,14 +162,14 @@ def _about(samples: Path) -> dict[str, Any]:
 
 
 def _measure_smoothing(
-    folder: SampleFolder, reconstructions: Sequence[_Reconstruction], yardstick: _Yardstick
+    folder: SampleFolder, reconstructions: Sequence[Reconstruction], yardstick: _Yardstick
 ) -> Section:
     """Faces are those of reconstructions, edges, tets and solids those of generated shapes; where a model has
     only the one kind, all are of that kind."""
     options = yardstick.options
     generated = _read_generated(folder)
     section = Section(options)
-    section.add_distances([item.distance for item in reconstructions])
+    section.add_reconstructions(reconstructions)
     topology = [measure_topology(surface.faces) for surface in generated.values()]
     section.add_topology(topology or [item.topology for item in reconstructions])
     inverted = folder.inverted_shares("generated")
@@ -177,9 +184,10 @@ def _measure_smoothing(
         made = folder.of_solids("generated", column)
         section.add_means({column: made if len(made) else folder.of_solids("reconstructed", column)})
     section.add_variety(_samples_for_variety(generated, options), yardstick.threads)
-    section.add_feature_distances(
-        _generated_features(generated, yardstick), len(generated), yardstick.holdout
-    )
+    clouds = _generated_clouds(generated, yardstick.holdout.points, options)
+    section.add_feature_distances(_generated_features(clouds, yardstick), len(generated), yardstick.holdout)
+    section.add_set_distances(clouds, yardstick.reference)
+    section.add_novelty(clouds, yardstick.training)
     section.count("generated", len(folder.ids("generated")), len(generated))
     section.count("reconstructed", len(folder.ids("reconstructed")), len(reconstructions))
     return section
@@ -195,42 +203,47 @@ def _read_generated(folder: SampleFolder) -> dict[str, Surface]:
 def _samples_for_variety(generated: Mapping[str, Surface], options: EvaluationOptions) -> list[SurfaceSample]:
     return [
         draw_sample(generated[shape_id], options.points, named_seed(options.seed, "generated", shape_id))
-        for shape_id in _choose(generated, _variety_pool(options), "variety", options)
+        for shape_id in choose(generated, pool_size(options.variety), options.seed, "variety")
     ]
+
+
+def _generated_clouds(
+    generated: Mapping[str, Surface], points: int, options: EvaluationOptions
+) -> Float[np.ndarray, "N P 3"]:
+    """Points on as many generated surfaces, drawn at random, as features or sets need."""
+    wanted = max(options.samples, options.sets.shapes)
+    clouds = [
+        draw_sample(generated[i], points, named_seed(options.seed, "cloud", i)).points
+        for i in choose(generated, wanted, options.seed, "features")
+    ]
+    return np.array(clouds, dtype=np.float32).reshape(-1, points, 3)
 
 
 def _generated_features(
-    generated: Mapping[str, Surface], yardstick: _Yardstick
-) -> Float[np.ndarray, "N F"] | None:
+    clouds: Float[np.ndarray, "N P 3"], yardstick: _Yardstick
+) -> Float[np.ndarray, "M F"] | None:
     """Features of as many generated surfaces as there are hold-out clouds, sampled as finely as those."""
-    options = yardstick.options
-    if yardstick.holdout.features is None or len(generated) < options.samples:
+    needed = yardstick.options.samples
+    if yardstick.holdout.features is None or len(clouds) < needed:
         return None
-    clouds = [
-        draw_sample(generated[i], yardstick.holdout.points, named_seed(options.seed, "cloud", i)).points
-        for i in _choose(generated, options.samples, "features", options)
-    ]
-    return cloud_features(
-        np.stack(clouds).astype(np.float32), yardstick.classifier.network, "generated features"
-    )
+    return cloud_features(clouds[:needed], yardstick.classifier.network, "generated features")
 
 
 def _measure_reconstructions(
     folders: Mapping[str, SampleFolder], meshes: Sequence[Path], options: EvaluationOptions
-) -> dict[str, list[_Reconstruction]]:
+) -> dict[str, list[Reconstruction]]:
     """Every reconstruction against its original, which is sampled once for all smoothings."""
     wanted = {shape_id for folder in folders.values() for shape_id in folder.ids("reconstructed")}
-    measured: dict[str, list[_Reconstruction]] = {name: [] for name in folders}
-    for shape_id, original in _repaired_meshes(meshes):
+    measured: dict[str, list[Reconstruction]] = {name: [] for name in folders}
+    for shape_id, original in repaired_meshes(meshes):
         if shape_id not in wanted:
             continue
-        truth = draw_sample(original, options.points, named_seed(options.seed, "truth", shape_id))
+        truth = draw_truth(original, shape_id, options)
         for name, folder in folders.items():
             surface = folder.surface("reconstructed", shape_id)
             if surface is not None:
-                distance = _distance(surface, truth, shape_id, options)
-                topology = measure_topology(surface.faces)
-                measured[name].append(_Reconstruction(distance, len(surface.faces), topology))
+                found = measure_reconstruction(surface, original, truth, shape_id, options)
+                measured[name].append(found)
     return measured
 
 
@@ -238,51 +251,21 @@ def _measure_repaired(
     meshes: Sequence[Path], splits: Mapping[str, str], options: EvaluationOptions
 ) -> _Repaired:
     training = [shape_id for shape_id, split in splits.items() if split == "train"]
-    pool = set(_choose(training, _variety_pool(options), "variety", options))
+    pool = set(choose(training, pool_size(options.variety), options.seed, "variety"))
     repaired = _Repaired()
-    for shape_id, surface in _repaired_meshes(meshes):
+    for shape_id, surface in repaired_meshes(meshes):
         repaired.faces.append(len(surface.faces))
         repaired.topology.append(measure_topology(surface.faces))
         if splits.get(shape_id) == "validation":
-            truth = draw_sample(surface, options.points, named_seed(options.seed, "truth", shape_id))
-            repaired.floor.append(_distance(surface, truth, shape_id, options))
-        elif shape_id in pool:
+            truth = draw_truth(surface, shape_id, options)
+            repaired.floor.append(measure_reconstruction(surface, surface, truth, shape_id, options))
+            repaired.resampled.append(resampled_chamfer(truth.points, options.sets.points))
+        if splits.get(shape_id) == "train":
+            repaired.training.append(training_cloud(shape_id, surface, options))
+        if shape_id in pool:
             seed = named_seed(options.seed, "generated", shape_id)
             repaired.samples.append(draw_sample(surface, options.points, seed))
     return repaired
-
-
-def _distance(
-    surface: Surface, truth: SurfaceSample, shape_id: str, options: EvaluationOptions
-) -> SurfaceDistance:
-    found = draw_sample(surface, options.points, named_seed(options.seed, "reconstructed", shape_id))
-    return compare_surfaces(found, truth, options.fscore_threshold)
-
-
-def _repaired_meshes(meshes: Sequence[Path]) -> Iterator[tuple[str, Surface]]:
-    for path in track(meshes, "repaired meshes", console=Console(stderr=True), transient=True):
-        for shape_id, vertices, faces in read_meshes(path):
-            yield shape_id, Surface(vertices, faces)
-
-
-def _splits(catalogue: Path) -> dict[str, str]:
-    """Split of every shape that has a repaired mesh."""
-    table = read_catalogue(catalogue)
-    table = table[table["status"].isin(["ok", "filled"])]
-    return dict(zip(table["id"], table["split"], strict=True))
-
-
-def _variety_pool(options: EvaluationOptions) -> int:
-    """Shapes that variety draws from at most: enough for every pair of a draw to have its own two."""
-    return 2 * options.variety.pairs
-
-
-def _choose(
-    ids: Sequence[str] | Mapping[str, Any], most: int, purpose: str, options: EvaluationOptions
-) -> list[str]:
-    """At most so many of the ids, without replacement; the order in which they come plays no part."""
-    order = named_rng(options.seed, "choose", purpose).permutation(sorted(ids))
-    return [str(shape_id) for shape_id in order[:most]]
 
 
 def _write_report(
@@ -292,14 +275,9 @@ def _write_report(
     sections: Mapping[str, Section],
     out: Path,
 ) -> None:
-    extractor = {
-        "digest": classifier.digest,
-        "accuracy": classifier.accuracy,
-        "categories": list(classifier.categories),
-    }
     report = {
         **identity,
-        "extractor": extractor,
+        "extractor": about_extractor(classifier),
         "options": options.model_dump(mode="json"),
         "smoothings": {name: section.to_json() for name, section in sections.items()},
     }

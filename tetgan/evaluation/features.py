@@ -1,12 +1,14 @@
 """Clouds and surfaces to the features that the Fréchet distance compares."""
 
+from typing import Any
+
 import numpy as np
 import torch
 from jaxtyping import Float
 from rich.console import Console
 from rich.progress import track
 
-from tetgan.models.pointnet2 import PointNet2, prepare_clouds
+from tetgan.models.pointnet2 import Classifier, PointNet2, prepare_clouds
 
 # Enough to share the steps of farthest-point sampling; more only takes memory.
 _BATCH = 8
@@ -35,3 +37,12 @@ def cloud_features(
         for batch in track(batches, label, console=Console(stderr=True), transient=True)
     ]
     return torch.cat(found).double().numpy()
+
+
+def about_extractor(classifier: Classifier) -> dict[str, Any]:
+    """What a report says of the network behind its features."""
+    return {
+        "digest": classifier.digest,
+        "accuracy": classifier.accuracy,
+        "categories": list(classifier.categories),
+    }

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from tetgan.evaluation.intervals import Interval, recentered_interval, resample_indices
+from tetgan.evaluation.intervals import Interval, recentered_interval, resample_counts, resample_indices
 
 
 def fid(first: Float[np.ndarray, "N F"], second: Float[np.ndarray, "M F"]) -> float:
@@ -58,7 +58,8 @@ def kid(
 
     Bińkowski et al. (2018), section 4: zero on average when both sets come from one distribution, whatever
     their size, so it can be negative. They publish the mean over random blocks, which tends to the value of
-    all samples given here, and the deviation over blocks. A block takes at most all of a set.
+    all samples given here, and the deviation over blocks. A block takes at most all of a set; where it
+    takes all of both, blocks do not differ and the deviation is missing.
 
     Raises:
         ValueError: a set has fewer than two samples.
@@ -68,7 +69,8 @@ def kid(
     values = kernels.discrepancies(
         _block_counts(len(first), block, blocks, rng), _block_counts(len(second), block, blocks, rng)
     )
-    return KernelDistance(float(whole[0]), float(values.std(ddof=1)) if blocks > 1 else float("nan"))
+    told_apart = blocks > 1 and block < max(len(first), len(second))
+    return KernelDistance(float(whole[0]), float(values.std(ddof=1)) if told_apart else float("nan"))
 
 
 def kid_interval(
@@ -82,7 +84,7 @@ def kid_interval(
     kernels = _kernels(first, second)
     whole = kernels.discrepancies(np.ones((1, len(first))), np.ones((1, len(second))))
     values = kernels.discrepancies(
-        _resample_counts(len(first), resamples, rng), _resample_counts(len(second), resamples, rng)
+        resample_counts(len(first), resamples, rng), resample_counts(len(second), resamples, rng)
     )
     return recentered_interval(float(whole[0]), values, level)
 
@@ -127,10 +129,6 @@ def _mean_within(
 def _block_counts(size: int, block: int, blocks: int, rng: np.random.Generator) -> Float[np.ndarray, "R N"]:
     taken = np.tile(np.arange(size) < block, (blocks, 1))
     return rng.permuted(taken, axis=1).astype(np.float64)
-
-
-def _resample_counts(size: int, resamples: int, rng: np.random.Generator) -> Float[np.ndarray, "R N"]:
-    return rng.multinomial(size, np.full(size, 1 / size), size=resamples).astype(np.float64)
 
 
 def _covariance_root(features: Float[np.ndarray, "N F"]) -> Float[np.ndarray, "K F"]:

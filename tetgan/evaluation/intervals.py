@@ -19,6 +19,11 @@ def resample_indices(size: int, resamples: int, rng: np.random.Generator) -> Int
     return rng.integers(size, size=(resamples, size))
 
 
+def resample_counts(size: int, resamples: int, rng: np.random.Generator) -> Float[np.ndarray, "R N"]:
+    """The same by how often every item is drawn."""
+    return rng.multinomial(size, np.full(size, 1 / size), size=resamples).astype(np.float64)
+
+
 def bootstrap_mean(
     values: Float[np.ndarray, "N"], resamples: int, level: float, rng: np.random.Generator
 ) -> Interval:

@@ -41,12 +41,12 @@ def cell(row: pd.Series, metric: str) -> str:
     paper = "" if pd.isna(printed) else f" (paper {printed})"
     if pd.isna(value):
         return f"—{paper}"
-    deviation = "" if pd.isna(std) else f" ± {rounded(std)}"
-    interval = "" if pd.isna(low) else f" [{rounded(low)}, {rounded(high)}]"
-    return f"{rounded(value)}{deviation}{interval}{paper}"
+    deviation = "" if pd.isna(std) else f" ± {round_value(std)}"
+    interval = "" if pd.isna(low) else f" [{round_value(low)}, {round_value(high)}]"
+    return f"{round_value(value)}{deviation}{interval}{paper}"
 
 
-def rounded(value: float) -> str:
+def round_value(value: float) -> str:
     """Three digits that count, never in exponents that a column of figures would hide."""
     if abs(value) >= 1000:
         return f"{value:.0f}"

@@ -7,7 +7,14 @@ from pydantic import Field, model_validator
 from tetgan.options import Options
 from tetgan.training.extractor_options import ExtractorOptions
 
-__all__ = ["BootstrapOptions", "EvaluationOptions", "ExtractorOptions", "KernelOptions", "VarietyOptions"]
+__all__ = [
+    "BootstrapOptions",
+    "EvaluationOptions",
+    "ExtractorOptions",
+    "KernelOptions",
+    "SetOptions",
+    "VarietyOptions",
+]
 
 
 class VarietyOptions(Options):
@@ -42,6 +49,17 @@ class KernelOptions(Options):
     )
 
 
+class SetOptions(Options):
+    """Generated shapes as a set beside real ones (MMD, COV, 1-NNA, JSD) and training shapes (novelty)."""
+
+    shapes: int = Field(
+        default=128, ge=2, description="most shapes on each side; fewer where fewer are held out"
+    )
+    points: int = Field(
+        default=512, ge=16, le=100_000, description="points a shape for the distances between all shapes"
+    )
+
+
 class BootstrapOptions(Options):
     """Intervals on every figure."""
 
@@ -49,7 +67,10 @@ class BootstrapOptions(Options):
         default=1000, ge=20, le=100_000, description="resamples of a mean or of the kernel distance"
     )
     frechet_resamples: int = Field(
-        default=100, ge=20, le=10_000, description="resamples of the Fréchet distance"
+        default=100,
+        ge=20,
+        le=10_000,
+        description="resamples of the Fréchet distance and of what is measured on sets as a whole",
     )
     level: float = Field(default=0.95, gt=0, lt=1, description="coverage of the interval")
 
@@ -69,9 +90,19 @@ class EvaluationOptions(Options):
     samples: int = Field(
         default=256,
         ge=2,
-        description="most surfaces on each side of FID and KID; fewer where fewer are held out",
+        description="most surfaces on each side of the feature metrics (FID, KID, precision, recall); fewer "
+        "where fewer are held out",
     )
+    volume_points: int = Field(
+        default=20_000, ge=1000, le=10_000_000, description="points for the volumetric overlap of two shapes"
+    )
+    sets: SetOptions = SetOptions()
     variety: VarietyOptions = VarietyOptions()
     kernel: KernelOptions = KernelOptions()
     bootstrap: BootstrapOptions = BootstrapOptions()
     seed: int = Field(default=0, ge=0, description="of every random choice of the evaluation")
+
+    def at_most(self, shapes: int) -> "EvaluationOptions":
+        """These options, asking for no more shapes on a side than there are: all rows have as many."""
+        sets = self.sets.model_copy(update={"shapes": max(2, min(self.sets.shapes, shapes))})
+        return self.model_copy(update={"samples": max(2, min(self.samples, shapes)), "sets": sets})

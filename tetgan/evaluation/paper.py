@@ -11,6 +11,14 @@ _SMOOTHED = {"none": "No wLS", "wls": "wLS"}
 _SUPPLEMENT_GRID = {"bench": "HR", "vase": "HR", "sofa": "LR", "table": "LR"}
 # Models of the config that are ablations with a published FID; smoothing and grid are not told.
 _ABLATIONS = {"no-local": "no patch discriminator", "no-global": "no global discriminator"}
+_BASELINES = {
+    "occnet": "OccNet",
+    "occnet-simplified": "OccNet*",
+    "shapegan-gan": "ShapeGAN (GAN)",
+    "shapegan-gan-simplified": "ShapeGAN (GAN*)",
+    "shapegan-vae": "ShapeGAN (VAE)",
+    "shapegan-vae-simplified": "ShapeGAN (VAE*)",
+}
 _COLUMNS = ["table", "category", "model", "metric", "value"]
 
 
@@ -27,12 +35,13 @@ def read_paper(path: Path) -> pd.DataFrame:
 
 
 def published(figures: pd.DataFrame, category: str, model: str, grid: str, smoothing: str) -> dict[str, str]:
-    """Metric to printed figure, for a row that the paper has: `tetgan-LR`, `tetgan-HR` and two ablations.
+    """Metric to printed figure, for a row that the paper has: TetGAN, a baseline, or one of two ablations.
 
     Its supplement does not say whether its one TetGAN row was smoothed, nor its text the ablations, so both
     of ours show those figures.
     """
-    names = [_ABLATIONS[model]] if model in _ABLATIONS else []
+    named = _BASELINES | _ABLATIONS
+    names = [named[model]] if model in named else []
     if model == f"tetgan-{grid}":
         names = [f"TetGAN - {grid}/{_SMOOTHED[smoothing]}"]
         if _SUPPLEMENT_GRID.get(category) == grid:

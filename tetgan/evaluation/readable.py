@@ -1,22 +1,40 @@
 """A table as people read it: rounded, in Markdown, with what must be known to read it right."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
-from tetgan.evaluation.markdown import cell, markdown_table, page, plain, rounded, row_name
+from tetgan.evaluation.jsd import CELLS
+from tetgan.evaluation.markdown import cell, markdown_table, page, plain, round_value, row_name
 
 _PAPERS = {"chamfer": "Chamfer ↓", "faces": "Faces", "fid": "FID ↓", "variety": "Variety ↑"}
 _OURS = {
-    "kid": "KID ↓",
-    "manifold_edges": "Manifold edges ↑",
-    "inverted_tets": "Inverted tets ↓",
-    "iou": "IoU ↑",
-    "chamfer_l1": "Chamfer L1 ↓",
-    "fscore": "F-score ↑",
-    "normal_consistency": "Normals ↑",
+    "Reconstructions": {
+        "chamfer_l1": "Chamfer L1 ↓",
+        "fscore": "F-score ↑",
+        "normal_consistency": "Normals ↑",
+        "iou": "Field IoU ↑",
+        "volume_iou": "Volume IoU ↑",
+    },
+    "Generated shapes beside hold-out shapes: features": {
+        "kid": "KID ↓",
+        "fid_infinity": "FID∞ ↓",
+        "precision": "Precision ↑",
+        "recall": "Recall ↑",
+    },
+    "Generated shapes beside hold-out shapes: distances": {
+        "mmd": "MMD ↓",
+        "cov": "COV ↑",
+        "nna": "1-NNA → ½",
+        "jsd": "JSD ↓",
+        "novelty": "Novelty",
+    },
+    "Meshes": {"manifold_edges": "Manifold edges ↑", "inverted_tets": "Inverted tets ↓"},
 }
+TITLES = _PAPERS | {metric: title for group in _OURS.values() for metric, title in group.items()}
+"""Heading of every metric; the arrow points to the better side."""
+
 _MADE = {
     "grid": "Grid",
     "tets": "Tets",
@@ -41,11 +59,20 @@ def render_table(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], cate
         _ABOUT_PAPER,
         markdown_table(names | {title: table.apply(cell, axis=1, metric=m) for m, title in _PAPERS.items()}),
         "## Beyond the paper",
-        markdown_table(names | {title: table.apply(cell, axis=1, metric=m) for m, title in _OURS.items()}),
+        *_groups(table, names),
         "## How each row was made",
         markdown_table(names | {title: table[column].map(plain) for column, title in _MADE.items()}),
         notes=table_notes(table, reports),
     )
+
+
+def _groups(table: pd.DataFrame, names: Mapping[str, pd.Series]) -> Iterator[str]:
+    """Heading and table of every group of our metrics."""
+    for heading, titles in _OURS.items():
+        yield f"### {heading}"
+        yield markdown_table(
+            {**names, **{title: table.apply(cell, axis=1, metric=m) for m, title in titles.items()}}
+        )
 
 
 def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -60,26 +87,47 @@ def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> li
 
 def _conventions(options: Mapping[str, Any]) -> list[str]:
     variety = options["variety"]
-    drawn = "random pairs" if variety["definition"] == "text" else "random shapes, all pairs"
     return [
         f"[…]: {100 * options['bootstrap']['level']:g} % intervals; ±: over seeds, or for one seed over "
         "repeats (variety) and blocks (KID). docs/metrics.md defines every metric.",
         f"Chamfer: mean squared nearest distance each way, summed, {options['points']:,} points a surface, "
         f"unit cube, against the repaired mesh. F-score at {options['fscore_threshold']:g} of the cube.",
-        f"Variety: mean Chamfer of the {variety['closest']} closest of {variety['pairs']} {drawn}, "
+        f"Variety: mean Chamfer of the {variety['closest']} closest of {variety['pairs']} {drawn(variety)}, "
         f"{variety['repeats']} repeats.",
-        f"FID and KID: {options['samples']} surfaces on each side, against hold-out surfaces.",
+        f"FID, KID, FID∞, precision and recall: {options['samples']} surfaces on each side, against hold-out "
+        "surfaces.",
+        *set_conventions(options),
     ]
+
+
+def drawn(variety: Mapping[str, Any]) -> str:
+    """Of what variety draws so many, in words."""
+    return "random pairs" if variety["definition"] == "text" else "random shapes, all pairs"
+
+
+def set_conventions(options: Mapping[str, Any]) -> list[str]:
+    """How sets of shapes were compared, from the options of a report."""
+    sets = options["sets"]
+    return [
+        f"MMD, COV and 1-NNA: {sets['shapes']} shapes on each side, Chamfer distance of {sets['points']} "
+        f"points a shape. JSD: points of the same shapes in {CELLS}³ cells, in bits. Novelty: mean Chamfer "
+        "distance to the nearest training shape, points as many; neither high nor low is good in itself.",
+        f"Volume IoU: {options['volume_points']:,} points in the box of both shapes, winding number above ½.",
+    ]
+
+
+def extractor_line(extractor: Mapping[str, Any]) -> str:
+    """What is known of the classifier behind the features, from a report."""
+    return (
+        f"Extractor {extractor['digest']}: PointNet++ on {', '.join(extractor['categories'])}; held-out "
+        f"accuracy {100 * extractor['accuracy']:.1f} %. Absolute FID and KID depend on it."
+    )
 
 
 def extractor_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     """Which classifier FID and KID rest on, and a warning where rows rest on several."""
     found = {report["extractor"]["digest"]: report["extractor"] for report in reports}
-    lines = [
-        f"Extractor {digest}: PointNet++ on {', '.join(extractor['categories'])}; "
-        f"held-out accuracy {100 * extractor['accuracy']:.1f} %. Absolute FID and KID depend on it."
-        for digest, extractor in found.items()
-    ]
+    lines = [extractor_line(extractor) for extractor in found.values()]
     if len(found) > 1:
         lines.append(
             "**Rows were measured with different extractors: their FID and KID cannot be compared.**"
@@ -92,14 +140,14 @@ def _floor(table: pd.DataFrame) -> list[str]:
     if real.empty:
         return []
     figures = ", ".join(
-        f"{title} {rounded(value)}"
-        for metric, title in (("fid", "FID"), ("kid", "KID"), ("chamfer", "Chamfer"))
+        f"{title} {round_value(value)}"
+        for metric, title in (("fid", "FID"), ("kid", "KID"), ("chamfer", "Chamfer"), ("mmd", "MMD"))
         if not pd.isna(value := real.iloc[0][metric])
     )
     return [
-        f"Floor (row `real`): {figures or 'not measured'}. FID and KID compare real training surfaces with "
-        "real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice. Below it no model can "
-        "be told from a perfect one."
+        f"Floor (row `real`): {figures or 'not measured'}. Features and sets compare real training surfaces "
+        "with real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice; novelty is that of "
+        "hold-out surfaces. Below it no model can be told from a perfect one."
     ]
 
 

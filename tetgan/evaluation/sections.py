@@ -8,11 +8,24 @@ import numpy as np
 from jaxtyping import Float
 
 from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample
-from tetgan.evaluation.estimates import Estimate, feature_estimates, mean_estimate, repeats_estimate
+from tetgan.evaluation.estimates import (
+    FEATURE_METRICS,
+    SET_METRICS,
+    Estimate,
+    feature_estimates,
+    jsd_estimate,
+    mean_estimate,
+    repeats_estimate,
+    set_estimates,
+)
 from tetgan.evaluation.features import cloud_features
+from tetgan.evaluation.novelty import nearest_training
 from tetgan.evaluation.options import EvaluationOptions
+from tetgan.evaluation.pairwise import chamfer_between, chamfer_within
+from tetgan.evaluation.reconstructions import Reconstruction
 from tetgan.evaluation.seeds import named_rng
 from tetgan.evaluation.surfaces import Topology
+from tetgan.evaluation.twosets import two_sets
 from tetgan.evaluation.variety import shapes_needed, variety
 from tetgan.models.pointnet2 import FEATURES, Classifier
 
@@ -36,6 +49,35 @@ def draw_real(
     return RealFeatures(features, array.shape[1], len(array))
 
 
+class RealSet(NamedTuple):
+    """As many real clouds as sets are compared by, and the Chamfer distances within; none where fewer."""
+
+    clouds: Float[np.ndarray, "N P 3"] | None
+    within: Float[np.ndarray, "N N"] | None
+    available: int
+
+
+def draw_real_set(array: Float[np.ndarray, "N P 3"], split: str, options: EvaluationOptions) -> RealSet:
+    """A split's clouds as a set; the draw is the same for every model."""
+    if len(array) < options.sets.shapes:
+        return RealSet(None, None, len(array))
+    clouds = draw_clouds(array, split, options)
+    return RealSet(clouds, chamfer_within(_part(clouds, options), f"{split} pairs"), len(array))
+
+
+def draw_clouds(
+    array: Float[np.ndarray, "N P 3"], split: str, options: EvaluationOptions
+) -> Float[np.ndarray, "M P 3"]:
+    """At most as many of a split's clouds as sets are compared by, drawn without replacement."""
+    order = named_rng(options.seed, "sets", split).permutation(len(array))
+    return array[np.sort(order[: options.sets.shapes])]
+
+
+def _part(clouds: Float[np.ndarray, "N P 3"], options: EvaluationOptions) -> Float[np.ndarray, "N Q 3"]:
+    """As many points of each cloud as sets are compared by; their order is random, so the first are fair."""
+    return clouds[:, : options.sets.points]
+
+
 @dataclass
 class Section:
     """Metrics by name, how many meshes were expected and found, and remarks in words."""
@@ -46,22 +88,21 @@ class Section:
     notes: list[str] = field(default_factory=list)
 
     def add_means(self, columns: Mapping[str, Sequence[float | int] | np.ndarray]) -> None:
-        """A mean over items for each column; an empty one is a missing metric."""
+        """A mean over the items for each column; nan is no item, an empty column a missing metric."""
         for name, values in columns.items():
-            self.metrics[name] = mean_estimate(np.asarray(values, dtype=np.float64), name, self.options)
+            known = np.asarray(values, dtype=np.float64)
+            self.metrics[name] = mean_estimate(known[~np.isnan(known)], name, self.options)
 
-    def add_distances(self, distances: Sequence[SurfaceDistance]) -> None:
-        """Means of every measure of distance."""
-        self._add_fields(SurfaceDistance._fields, distances)
+    def add_reconstructions(self, items: Sequence[Reconstruction]) -> None:
+        """Means of every measure of distance, and of the overlap."""
+        self.add_means(
+            {name: [getattr(item.distance, name) for item in items] for name in SurfaceDistance._fields}
+            | {"volume_iou": [item.volume_iou for item in items]}
+        )
 
-    def add_topology(self, topologies: Sequence[Topology]) -> None:
+    def add_topology(self, items: Sequence[Topology]) -> None:
         """Mean shares of edges, and the share of shapes that are closed manifolds."""
-        self._add_fields(Topology._fields, topologies)
-
-    def _add_fields(
-        self, names: Sequence[str], items: Sequence[SurfaceDistance] | Sequence[Topology]
-    ) -> None:
-        self.add_means({name: [getattr(item, name) for item in items] for name in names})
+        self.add_means({name: [getattr(item, name) for item in items] for name in Topology._fields})
 
     def add_variety(self, samples: Sequence[SurfaceSample], threads: int) -> None:
         """Variety of the surfaces, missing where they are too few."""
@@ -76,12 +117,13 @@ class Section:
     def add_feature_distances(
         self, found: Float[np.ndarray, "N F"] | None, available: int, holdout: RealFeatures
     ) -> None:
-        """FID and KID against the hold-out, missing where either side is too small."""
+        """FID and its kin against the hold-out, missing where either side is too small."""
         needed = self.options.samples
         if found is None or holdout.features is None:
-            self.metrics |= {"fid": Estimate(), "kid": Estimate()}
+            self.metrics |= dict.fromkeys(FEATURE_METRICS, Estimate())
             self.notes.append(
-                f"FID and KID need {needed} surfaces on each side and have {available}, {holdout.available}"
+                f"FID, KID, precision and recall need {needed} surfaces on each side and have {available}, "
+                f"{holdout.available}"
             )
             return
         self.metrics |= feature_estimates(found, holdout.features, self.options)
@@ -89,6 +131,42 @@ class Section:
             self.notes.append(
                 f"FID at N = {needed}, below {3 * FEATURES}, is mostly bias: compare it only with the floor, "
                 "and read KID first"
+            )
+
+    def add_set_distances(self, found: Float[np.ndarray, "N P 3"], reference: RealSet) -> None:
+        """MMD, COV, 1-NNA and JSD of the first clouds, missing where either side is too small."""
+        needed = self.options.sets.shapes
+        if len(found) < needed or reference.clouds is None or reference.within is None:
+            self.metrics |= dict.fromkeys(SET_METRICS, Estimate())
+            self.notes.append(
+                f"MMD, COV, 1-NNA and JSD need {needed} surfaces on each side and have {len(found)}, "
+                f"{reference.available}"
+            )
+            return
+        found = found[:needed]
+        own, real = _part(found, self.options), _part(reference.clouds, self.options)
+        sets = two_sets(
+            chamfer_within(own, "generated pairs"), reference.within, chamfer_between(own, real, "pairs")
+        )
+        self.metrics |= set_estimates(sets, self.options)
+        self.metrics["jsd"] = jsd_estimate(found, reference.clouds, self.options)
+
+    def add_novelty(
+        self, found: Float[np.ndarray, "N P 3"], training: Float[np.ndarray, "M Q 3"] | None
+    ) -> None:
+        """Mean distance of the first clouds from the nearest training shape, missing without such shapes."""
+        found = _part(found[: self.options.sets.shapes], self.options)
+        if training is None or not len(training) or not len(found):
+            self.metrics["novelty"] = Estimate()
+            return
+        self.add_means({"novelty": nearest_training(found, training).distance})
+
+    def note_resampled(self, distances: Sequence[float]) -> None:
+        """Say what shapes score against themselves with the points that sets are compared by."""
+        if distances:
+            self.notes.append(
+                f"Chamfer distance of a shape sampled twice, {self.options.sets.points} points each: "
+                f"{np.mean(distances):.3g}. MMD and novelty of perfect copies are no lower"
             )
 
     def count(self, kind: str, expected: int, found: int) -> None:

@@ -1,6 +1,7 @@
 """Random choices that depend on what they are for, not on the order in which they are made."""
 
 import hashlib
+from collections.abc import Collection
 
 import numpy as np
 
@@ -14,3 +15,9 @@ def named_seed(seed: int, *names: str) -> int:
 def named_rng(seed: int, *names: str) -> np.random.Generator:
     """A generator of its own for every name."""
     return np.random.default_rng(named_seed(seed, *names))
+
+
+def choose(names: Collection[str], most: int, seed: int, purpose: str) -> list[str]:
+    """At most so many of the names, without replacement; the order in which they come plays no part."""
+    order = named_rng(seed, "choose", purpose).permutation(sorted(names))
+    return [str(name) for name in order[:most]]

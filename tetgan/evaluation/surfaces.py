@@ -77,12 +77,3 @@ def _is_pinched(faces: Int[np.ndarray, "F 3"]) -> bool:
     used, compact = np.unique(faces, return_inverse=True)
     fans = igl.is_vertex_manifold(compact.reshape(-1, 3).astype(np.int64))
     return not bool(fans[: len(used)].all())
-
-
-def manifold_edge_share(faces: Int[np.ndarray, "F 3"]) -> float:
-    """Share of edges with exactly two faces; 1 for a closed manifold surface.
-
-    Raises:
-        ValueError: no faces.
-    """
-    return measure_topology(faces).manifold_edges

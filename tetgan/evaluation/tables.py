@@ -26,6 +26,15 @@ METRICS = (
     "chamfer_l1",
     "fscore",
     "normal_consistency",
+    "volume_iou",
+    "mmd",
+    "cov",
+    "nna",
+    "jsd",
+    "novelty",
+    "fid_infinity",
+    "precision",
+    "recall",
 )
 """In the order of the columns: the paper's Table 1 first."""
 
@@ -146,7 +155,7 @@ def identity_cells(members: Sequence[Mapping[str, Any]], smoothing: str) -> dict
     real = first["model"] == "real"
     row = {name: first.get(name) for name in ("model", "grid", "tets", "mode", "reduced")}
     return row | {
-        "smoothing": None if real else smoothing,
+        "smoothing": smoothing if len(first["smoothings"]) > 1 else None,  # no choice, nothing to tell
         "simplified": None if real else bool(first.get("simplified", False)),
         "seeds": None if real else len(members),
         "n": round(float(np.mean([section["generated"]["found"] for section in sections]))),

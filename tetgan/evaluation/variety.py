@@ -26,6 +26,11 @@ def shapes_needed(options: VarietyOptions) -> int:
     return shapes
 
 
+def pool_size(options: VarietyOptions) -> int:
+    """Shapes worth drawing from: enough for every pair of a draw to have its own two."""
+    return 2 * options.pairs
+
+
 def variety(
     samples: Sequence[SurfaceSample], options: VarietyOptions, rng: np.random.Generator, threads: int = 1
 ) -> Float[np.ndarray, "R"]:

@@ -20,7 +20,9 @@ class VoxelOptions(Options):
     """Signed distance at the cells of the unit cube, which ShapeGAN learns from."""
 
     kind: Literal["voxels"]
-    resolution: Literal[32, 64] = Field(64, description="cells along a side")
+    resolution: Literal[8, 16, 32, 64] = Field(
+        64, description="cells along a side; ShapeGAN's are 64 (GAN) and 32 (VAE)"
+    )
 
 
 Sampling = PointOptions | VoxelOptions

@@ -2,14 +2,17 @@
 
 from collections.abc import Callable
 
+import igl
 import numpy as np
-from jaxtyping import Bool, Float
-from skimage.measure import marching_cubes
+from jaxtyping import Bool, Float, Int
 
 from tetgan.shapes.soup import Soup
 
 Value = Callable[[Float[np.ndarray, "N 3"]], Float[np.ndarray, "N"]]
 Cube = Float[np.ndarray, "R R R"]
+
+# Corners of a cell in the order that libigl wants: around the bottom, then around the top.
+_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 
 
 def mise(value: Value, start: int, steps: int, level: float, *, box: float = 1.0) -> Soup:
@@ -28,7 +31,7 @@ def mise(value: Value, start: int, steps: int, level: float, *, box: float = 1.0
         box: side of the cube that is searched, about the centre of the unit cube.
 
     Returns:
-        Faces outward; no faces where nothing, or nothing but the inside of no cell, is above the level.
+        Faces outward; none where nothing is above the level.
     """
     values = _evaluate(value, np.ones(3 * (start + 1,), dtype=bool), box)
     values, known = values.reshape(3 * (start + 1,)), np.ones(3 * (start + 1,), dtype=bool)
@@ -105,14 +108,29 @@ def _points_of_cells(cells: Bool[np.ndarray, "C C C"]) -> Bool[np.ndarray, "S S 
 
 
 def _march(values: Cube, level: float, *, origin: float, spacing: float) -> Soup:
-    """Marching cubes (Lewiner et al. 2003) of values above the level inside, closed at the wall.
+    """Marching cubes of values above the level inside, closed at the wall.
 
     Around the grid lies one more layer of points, outside: the values at the wall mirrored in the level.
     """
     mirrored = np.pad(values, 1, mode="edge")
     padded = np.minimum(mirrored, 2 * level - mirrored)
     padded[1:-1, 1:-1, 1:-1] = values
-    if not (values > level).any():
+    cells = _crossed_cells(padded > level)
+    if len(cells) == 0:
         return Soup(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
-    vertices, faces, _, _ = marching_cubes(padded, level)
-    return Soup(origin + spacing * (vertices.astype(np.float64) - 1), faces[:, ::-1].astype(np.int64))
+    corners = np.ravel_multi_index(tuple(np.moveaxis(cells[:, None] + _CORNERS, 2, 0)), padded.shape)
+    used, compact = np.unique(corners, return_inverse=True)
+    places = origin + spacing * (np.stack(np.unravel_index(used, padded.shape), axis=1) - 1.0)
+    above = padded.ravel()[used].astype(np.float64) - level
+    vertices, faces, _ = igl.marching_cubes(above, places, compact.reshape(-1, 8), 0.0)
+    return Soup(vertices, faces[:, ::-1].astype(np.int64))
+
+
+def _crossed_cells(inside: Bool[np.ndarray, "R R R"]) -> Int[np.ndarray, "C 3"]:
+    """Cells with corners on both sides."""
+    some, every = inside, inside
+    for axis in range(3):
+        first, last = (np.moveaxis(flags, axis, 0) for flags in (some, every))
+        some = np.moveaxis(first[:-1] | first[1:], 0, axis)
+        every = np.moveaxis(last[:-1] & last[1:], 0, axis)
+    return np.argwhere(some & ~every)

@@ -69,6 +69,24 @@ def dihedral_angles(
     return np.degrees(np.arctan2(sine, cosine))
 
 
+def radius_ratios(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Float[np.ndarray, "T"]:
+    """Three times the radius of the inscribed sphere over that of the circumscribed one.
+
+    1 for a regular tet, 0 for a flat one; like the angles it does not see whether a tet is inverted.
+    """
+    corners = vertices[tets]
+    one, two, three = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 0)
+    sides = corners[:, FACES]
+    areas = np.linalg.norm(np.cross(sides[:, :, 1] - sides[:, :, 0], sides[:, :, 2] - sides[:, :, 0]), axis=2)
+    crosses = np.cross(two, three), np.cross(three, one), np.cross(one, two)
+    squares = ((edge**2).sum(axis=1)[:, None] for edge in (one, two, three))
+    # With v six times the volume: inner radius v / sum(areas), outer |w| / 2v; areas are doubled here.
+    w = np.linalg.norm(sum(square * cross for square, cross in zip(squares, crosses, strict=True)), axis=1)
+    v = (one * crosses[0]).sum(axis=1)
+    below = areas.sum(axis=1) * w
+    return np.divide(6 * v**2, below, out=np.zeros_like(v), where=below > 0)
+
+
 def _component_sizes(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "N"]:
     """Tets of each component."""
     if len(tets) == 0:

@@ -26,6 +26,21 @@ def smooth_vertices(
     length = np.linalg.norm(displacement, axis=1, keepdims=True)
     direction = np.divide(displacement, length, out=np.zeros_like(displacement), where=length > 0)
     weights = np.abs(np.einsum("ec,ec->e", *direction[edges.T]))
+    return pull_to_neighbors(vertices, edges, weights, beta)
+
+
+def pull_to_neighbors(
+    vertices: Float[np.ndarray, "V 3"],
+    edges: Int[np.ndarray, "E 2"],
+    weights: Float[np.ndarray, "E"],
+    beta: float,
+) -> Float[np.ndarray, "V 3"]:
+    """beta of each vertex and 1 - beta of the weighted mean of its neighbours; one without weights stays.
+
+    Args:
+        edges: each once.
+        weights: of the edges, none negative.
+    """
     ends, others = np.concatenate([edges, edges[:, ::-1]]).T
     weights = np.concatenate([weights, weights])
     total = np.bincount(ends, weights, minlength=len(vertices))[:, None]

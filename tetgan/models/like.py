@@ -23,7 +23,7 @@ def _resolved(name: str, models: dict[str, Any], path: tuple[str, ...]) -> Any:
         return part
     like = part["like"]
     if like in path:
-        raise UserError(f"config: models.{name}.like: {' -> '.join([*path, like])} goes round in a circle")
+        raise UserError(f"config: models.{path[0]}.like: {' -> '.join([*path, like])} goes round in a circle")
     if not isinstance(like, str) or not isinstance(models.get(like), dict):
         known = ", ".join(sorted(other for other in models if other != name))
         raise UserError(f"config: models.{name}.like: '{like}' is no model; there are {known}")

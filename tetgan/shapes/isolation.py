@@ -8,7 +8,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from types import TracebackType
-from typing import ClassVar, Self
+from typing import ClassVar, TypeVar
 
 from tetgan.shapes.messages import read_message, write_message
 from tetgan.shapes.options import RepairOptions, SimplifyOptions
@@ -17,6 +17,9 @@ from tetgan.shapes.soup import ShapeError, Soup
 # The child watches its own processor time; one that sleeps is waited for this long, on a busy machine too.
 _START_SECONDS = 60.0
 _PATIENCE = 20.0  # wall seconds a processor second
+
+
+Worker = TypeVar("Worker", bound="MeshWorker")
 
 
 class MeshWorker:
@@ -39,7 +42,7 @@ class MeshWorker:
         self._patience = _START_SECONDS + _PATIENCE * options.timeout_seconds
         self._process: subprocess.Popen[bytes] | None = None
 
-    def __enter__(self) -> Self:
+    def __enter__(self: Worker) -> Worker:
         return self
 
     def __exit__(

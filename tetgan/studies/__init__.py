@@ -1,1 +1,1 @@
-"""Studies of trained models: what their latent space holds, and how new their samples are."""
+"""Studies beside the tables: resolution, smoothing, the latent space, and how new samples are."""

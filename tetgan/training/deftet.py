@@ -25,7 +25,7 @@ from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draw
 from tetgan.training.options import TrainingOptions
 from tetgan.training.schedule import rate_factor
 
-Surface = tuple[SurfaceGraph, Float[Tensor, "N 3"]]
+Surface = tuple[SurfaceGraph, Float[Tensor, "_n 3"]]
 
 
 class DeftetTrainer(TrainingLoop):

@@ -72,10 +72,8 @@ class Learner:
         return critics
 
     def set_rate(self, factor: float) -> None:
-        """Scale both step sizes."""
+        """Scale the autoencoder's step size; late critics learn at their full rate."""
         self.optimizer.param_groups[0]["lr"] = self.training.learning_rate * factor
-        if self.critic_optimizer is not None:
-            self.critic_optimizer.param_groups[0]["lr"] = self.training.critic_learning_rate * factor
 
     def autoencoder_step(
         self, field: Float[Tensor, "B T 4"], kl_weight: float, draws: torch.Generator

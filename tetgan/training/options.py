@@ -16,7 +16,8 @@ class TrainingOptions(Options):
     critic_learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for both critics")
     betas: tuple[float, float] = Field((0.0, 0.9), description="Adam's decay rates of the two moments")
     decay: Literal["constant", "cosine"] = Field(
-        "constant", description="course of both step sizes: constant, or a half cosine down to a hundredth"
+        "constant",
+        description="course of the autoencoder's step size: constant, or a half cosine down to a hundredth",
     )
     gradient_clip: float | None = Field(
         None, gt=0, description="largest gradient norm of the autoencoder; empty: no clipping"

@@ -13,7 +13,7 @@ def kl_weight(shapes: int, options: TrainingOptions) -> float:
 
 
 def rate_factor(progress: float, options: TrainingOptions) -> float:
-    """Factor of both step sizes at `progress` (0 to 1) through the run."""
+    """Factor of the autoencoder's step size at `progress` (0 to 1) through the run."""
     if options.decay == "constant":
         return 1.0
     return 0.01 + 0.99 * (1 + math.cos(math.pi * progress)) / 2

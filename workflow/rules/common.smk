@@ -17,9 +17,29 @@ except UserError as error:
 
 SETTINGS = Config.parse(config)
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
+CAPTIONS = (
+    Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "report"
+)
+SOURCES = {".py", ".html", ".css", ".js"}
 SHOWN_MODELS = [
     name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
+SIMPLIFIED = [
+    name for name, model in SETTINGS.models.items() if model.kind == "simplified"
+]
+TRAINED = [name for name in SETTINGS.models if name not in SIMPLIFIED]
+
+
+SAMPLING_MODULES = [
+    f"fields/{name}" for name in ("arrays", "dataset", "points", "samplings", "voxels")
+]
+
+
+def one_of(names):
+    """Constraint of a wildcard; with no names nothing matches."""
+    return "|".join(names) or "(?!)"
+
+
 FIGURE_MODELS = SETTINGS.figures.models or SHOWN_MODELS
 LOGGED_MODELS = [
     name
@@ -45,7 +65,9 @@ def stage_digest(*rooms):
     digest = hashlib.sha256()
     for room in rooms:
         found = package / room
-        sources = sorted(found.rglob("*.py")) or [found.with_suffix(".py")]
+        sources = [
+            path for path in sorted(found.rglob("*.*")) if path.suffix in SOURCES
+        ] or [found.with_suffix(".py")]
         for source in sources:
             name = source.relative_to(package).as_posix()
             digest.update(name.encode() + source.read_bytes())
@@ -85,9 +107,11 @@ def identity(wildcards):
         {
             "category": wildcards.category,
             "model": wildcards.model,
-            "grid": model.grid,
+            "grid": getattr(model, "grid", ""),
+            "sampling": getattr(model, "sampling", None),
             "mode": wildcards.mode,
             "seed": int(wildcards.seed),
+            "simplified": model.kind == "simplified",
             "reduced": SETTINGS.reductions(wildcards.model),
         }
     )
@@ -100,11 +124,21 @@ def ablation_changes(wildcards):
     )
 
 
-def model_fields(wildcards):
-    """Index and shards of the fields that a model learns from."""
-    folder = (
-        f"<results>/fields/{wildcards.category}/{SETTINGS.models[wildcards.model].grid}"
+def study_identity(wildcards):
+    """What the rows of a study say of the model whose fields it took."""
+    grid = SETTINGS.models[wildcards.model].grid
+    return json.dumps(
+        {"category": wildcards.category, "model": wildcards.model, "grid": grid}
     )
+
+
+def model_fields(wildcards):
+    """Index and shards of the fields, or of the points or voxels, that a model learns from."""
+    model = SETTINGS.models[wildcards.model]
+    if hasattr(model, "grid"):
+        folder = f"<results>/fields/{wildcards.category}/{model.grid}"
+    else:
+        folder = f"<results>/samplings/{wildcards.category}/{model.sampling}"
     return {
         "index": f"{folder}/index.json",
         "shards": [
@@ -142,6 +176,14 @@ def standing_on(wildcards, input):
     )
 
 
+def simplified_samples(wildcards):
+    """Samples of the model that a simplified one is made from."""
+    of = SETTINGS.models[wildcards.model].of
+    return (
+        f"<results>/samples/{wildcards.category}/{of}/{wildcards.seed}/{wildcards.mode}"
+    )
+
+
 def shard_numbers():
     return range(1, config["shards"] + 1)
 
@@ -154,10 +196,10 @@ def fields_mem_mb(wildcards, attempt):
 
 
 def training_threads(wildcards):
-    """Cores of one training: models train side by side, as a second core speeds one up by a sixth only."""
+    """Cores of one training: several run side by side, as a second core speeds one up by a sixth only."""
     return max(1, (workflow.cores or 1) // max(1, len(SHOWN_MODELS)))
 
 
 def training_mem_mb(wildcards, attempt):
-    """Memory of one training run: a bound for laptop sizes, more at each retry; paper sizes need a profile."""
-    return attempt * 4000
+    """Memory of one training run: the default's largest takes 1.4 GiB; paper sizes need a profile."""
+    return attempt * 2500

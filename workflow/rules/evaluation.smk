@@ -22,6 +22,7 @@ rule evaluate_model:
     input:
         samples="<results>/samples/{category}/{model}/{seed}/{mode}",
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
+        catalogue="<results>/data/{category}/catalogue.csv",
         clouds="<results>/clouds/{category}.npz",
         extractor="<results>/extractor/weights.safetensors",
     output:
@@ -42,7 +43,7 @@ rule evaluate_model:
         code=stage_digest("models/pointnet2", "evaluation"),
     shell:
         "tetgan metrics {input.samples:q} {input.meshes:q} {output.metrics:q} --clouds {input.clouds:q}"
-        " --extractor {params.extractor:q} --identity {params.identity:q} --options {params.options:q}"
+        " --catalogue {input.catalogue:q} --extractor {params.extractor:q} --identity {params.identity:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"
 
 

@@ -1,7 +1,8 @@
-"""Shapes drawn from a model, and the validation shapes as it reconstructs them.
+"""Shapes drawn from a model, and the validation shapes as it reconstructs them; and both with fewer faces.
 
-Inputs: a trained generator, the fields. Output: a folder of surfaces (.ply) and solids (.vtu) with and
-without smoothing, each with a certificate of its quality.
+Inputs: a trained generator and what it learned from; samples. Output: a folder of surfaces (.ply) and solids
+(.vtu) with and without smoothing, each with a certificate of its quality; surfaces alone for models without a
+grid.
 """
 
 
@@ -15,6 +16,8 @@ rule sample_model:
         "<logs>/sample_model/{category}/{model}/{seed}/{mode}.log",
     benchmark:
         "<benchmarks>/sample_model/{category}/{model}/{seed}/{mode}.tsv"
+    wildcard_constraints:
+        model=one_of(TRAINED),
     conda:
         "../envs/tetgan.yaml"
     threads: 1
@@ -27,4 +30,30 @@ rule sample_model:
         code=stage_digest("meshing", "nn", "models"),
     shell:
         "tetgan sample {params.model:q} {input.index:q} {output.samples:q} --count {params.shapes}"
-        " --mode {wildcards.mode} --options {params.meshing:q} --seed {wildcards.seed} >{log:q} 2>&1"
+        " --mode {wildcards.mode} --options {params.meshing:q} --seed {wildcards.seed} --threads {threads}"
+        " >{log:q} 2>&1"
+
+
+rule simplify_samples:
+    input:
+        samples=simplified_samples,
+    output:
+        samples=directory("<results>/samples/{category}/{model}/{seed}/{mode}"),
+    log:
+        "<logs>/simplify_samples/{category}/{model}/{seed}/{mode}.log",
+    benchmark:
+        "<benchmarks>/simplify_samples/{category}/{model}/{seed}/{mode}.tsv"
+    wildcard_constraints:
+        model=one_of(SIMPLIFIED),
+    conda:
+        "../envs/tetgan.yaml"
+    threads: 1
+    resources:
+        mem_mb=1500,
+    params:
+        faces=lambda wildcards: SETTINGS.models[wildcards.model].faces,
+        code=stage_digest(
+            "meshing/simplify", "shapes/isolation", "shapes/repair_worker"
+        ),
+    shell:
+        "tetgan simplify {input.samples:q} {output.samples:q} --faces {params.faces} >{log:q} 2>&1"

@@ -117,7 +117,7 @@ rule gather_runtime:
     resources:
         mem_mb=1000,
     params:
-        results=RESULTS,
+        results=subpath(output.table, ancestor=2),
         shards=config["shards"],
         code=stage_digest("evaluation"),
     shell:

@@ -1,6 +1,6 @@
 """Training: one generator a model and seed, and the one classifier whose features FID and KID compare.
 
-Inputs: fields of a category; point clouds of every category. Outputs: weights, the options used, a log.
+Inputs: fields, points or voxels of a category; point clouds of every category. Outputs: weights, the options used, a log.
 A killed training resumes from its checkpoint, which stands beside the outputs and is none of them.
 """
 
@@ -15,6 +15,9 @@ rule train_model:
         "<logs>/train_model/{category}/{model}/{seed}.log",
     benchmark:
         "<benchmarks>/train_model/{category}/{model}/{seed}.tsv"
+    wildcard_constraints:
+        model=one_of(TRAINED),
+    priority: 1  # the longest jobs start first
     conda:
         "../envs/tetgan.yaml"
     threads: training_threads
@@ -44,7 +47,7 @@ rule train_extractor:
         "<benchmarks>/train_extractor.tsv"
     conda:
         "../envs/tetgan.yaml"
-    threads: 2
+    threads: training_threads
     resources:
         mem_mb=5000,
     params:

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.evaluation.dataset import count_shapes, write_dataset
+from tetgan.evaluation.gathered.dataset import count_shapes, write_dataset
 
 ROWS = [
     # status, split, reason

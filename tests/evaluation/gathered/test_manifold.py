@@ -2,7 +2,7 @@
 
 import pytest
 
-from tetgan.evaluation.manifold import write_manifold
+from tetgan.evaluation.gathered.manifold import write_manifold
 
 EDGES = {"manifold_edges": (0.98, 0.97, 0.99, None, 7), "boundary_edges": (0,), "nonmanifold_edges": (0.02,)}
 

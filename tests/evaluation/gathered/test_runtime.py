@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.evaluation.runtime import BENCHMARKS, COLUMNS, write_runtime
+from tetgan.evaluation.gathered.runtime import BENCHMARKS, COLUMNS, write_runtime
 
 HEAD = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time\n"
 SHARDS = 2
@@ -80,7 +80,7 @@ def test_seeds_are_averaged_and_the_log_tells_the_time_of_training(runtime, repo
     table, text = runtime([report("chair", "tetgan-LR", seed) for seed in (0, 1)], files)
     trained = table.loc[("train_model", "tetgan-LR")]
     assert (trained["jobs"], trained["shapes"], trained["seconds"]) == ("2", "2", "15.0")
-    assert float(trained["seconds_std"]) == pytest.approx(50**0.5)
+    assert trained["seconds_std"] == "7.07"  # the root of 50
     assert (trained["seconds_a_shape"], trained["max_rss_mib"], trained["train_minutes"]) == (
         "",
         "700.0",
@@ -127,11 +127,31 @@ def test_repeats_of_a_benchmark_are_averaged(runtime, report):
 
 def test_models_without_a_grid_and_ground_truth_have_the_rows_that_are_theirs(runtime, report):
     table, _ = runtime([report("chair", "occnet") | {"grid": None}, report("chair", "representation-LR")], {})
-    stages = [place.split("/")[0] for place in BENCHMARKS]
+    further = {"extract_samplings", "simplify_samples"}  # nothing here needs them
+    stages = [stage for place in BENCHMARKS if (stage := place.split("/")[0]) not in further]
     assert list(dict.fromkeys(table["stage"])) == [*stages, "preprocess"]
     assert list(table.loc["extract_fields"].index) == ["LR"]
     assert set(table.loc["train_model"].index) == {"occnet", "representation-LR"}
     assert table.loc[("train_model", "representation-LR"), "train_minutes"] == ""
+
+
+def test_implicit_models_have_samplings_and_simplified_ones_are_not_trained(runtime, report):
+    own = {"grid": None, "sampling": "points"}
+    implicit = report("chair", "occnet") | own
+    simplified = report("chair", "occnet-simplified") | own | {"simplified": True}
+    files = {
+        "extract_samplings/chair/points/1-of-2": benchmark(2),
+        "extract_samplings/chair/points/2-of-2": benchmark(4),
+        "simplify_samples/chair/occnet-simplified/0/paper": benchmark(5),
+    }
+    table, text = runtime([implicit, simplified], files)
+    drawn = table[table["sampling"] == "points"]
+    assert drawn[["stage", "shapes", "seconds_a_shape"]].to_numpy().tolist() == [
+        ["extract_samplings", "3", "2.0"]
+    ]
+    assert list(table.loc["train_model"].index) == list(table.loc["sample_model"].index) == ["occnet"]
+    assert table.loc[("simplify_samples", "occnet-simplified"), "seconds_a_shape"] == "0.5"
+    assert "| points" in text
 
 
 def test_a_file_that_is_no_benchmark_is_named(runtime, report, results):

@@ -3,7 +3,7 @@
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.evaluation.supplement import CATEGORIES, IDENTITY, write_supplement
+from tetgan.evaluation.gathered.supplement import CATEGORIES, IDENTITY, write_supplement
 
 
 @pytest.fixture

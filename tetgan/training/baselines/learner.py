@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 import torch
 from jaxtyping import Int
@@ -12,6 +12,7 @@ from tetgan.models.baselines.implicit import SurfaceModel
 from tetgan.training.loop import Losses
 
 
+@runtime_checkable
 class BaselineLearner(Protocol):
     """Networks, optimisers and data of one run."""
 

@@ -111,7 +111,7 @@ def stages(resolution: int, epochs: int | list[int]) -> list[tuple[int, int]]:
         UserError: the critic cannot grow to the resolution, or the epochs are not one number for each.
     """
     if resolution not in RESOLUTIONS:
-        raise UserError(f"shapegan-gan: voxels of {resolution} a side; name a sampling of 32 or 64")
+        raise UserError(f"shapegan-gan: voxels of {resolution} a side; name a sampling of 8 to 64")
     grown = [size for size in RESOLUTIONS if size <= resolution]
     of_each = epochs if isinstance(epochs, list) else len(grown) * [epochs]
     if len(of_each) != len(grown):

@@ -8,10 +8,10 @@ import numpy as np
 import pandas as pd
 
 from tetgan.errors import UserError
-from tetgan.evaluation.dataset import count_shapes
-from tetgan.evaluation.markdown import markdown_table, page, plain, rounded, write_twins
+from tetgan.evaluation.gathered.dataset import count_shapes
+from tetgan.evaluation.markdown import markdown_table, page, plain, round_value, write_twins
 from tetgan.evaluation.paper import read_paper, stated
-from tetgan.evaluation.tables import known_mean, read_reports
+from tetgan.evaluation.tables import group_reports, known_mean, read_reports
 from tetgan.shapes.catalogue import read_catalogue
 from tetgan.shapes.clouds import read_clouds
 
@@ -19,9 +19,11 @@ BENCHMARKS = (
     "repair_shapes/{category}/{shard}",
     "sample_clouds/{category}",
     "extract_fields/{category}/{grid}/{shard}",
+    "extract_samplings/{category}/{sampling}/{shard}",
     "train_extractor",
     "train_model/{category}/{model}/{seed}",
     "sample_model/{category}/{model}/{seed}/{mode}",
+    "simplify_samples/{category}/{model}/{seed}/{mode}",
     "evaluate_model/{category}/{model}/{seed}/{mode}",
     "evaluate_real/{category}",
 )
@@ -31,6 +33,7 @@ COLUMNS = (
     "stage",
     "category",
     "grid",
+    "sampling",
     "model",
     "mode",
     "jobs",
@@ -44,7 +47,9 @@ COLUMNS = (
     "train_minutes",
     "paper",
 )
-_KEYS = ("category", "grid", "model", "mode")
+_KEYS = ("category", "grid", "sampling", "model", "mode")
+_OF_TRAINED, _OF_SIMPLIFIED = ("train_model", "sample_model"), "simplify_samples"
+_TRAINING = {"train_model", "train_extractor"}  # whose time is not one of shapes
 _COUNTS = ("jobs", "jobs_measured", "shapes")
 _NOTES = [
     "Seconds are those of a stage's jobs one after another, all shards together, as Snakemake measured them: "
@@ -63,12 +68,14 @@ class Job(NamedTuple):
     """What a metrics file tells of the jobs behind it; None where a stage has no such thing."""
 
     category: str
-    grid: str | None
-    model: str | None
-    mode: str | None
-    seed: int | None
-    shapes: int | None
-    train_minutes: float | None
+    grid: str | None = None
+    sampling: str | None = None
+    model: str | None = None
+    mode: str | None = None
+    seed: int | None = None
+    simplified: bool = False
+    shapes: int | None = None
+    train_minutes: float | None = None
 
 
 class Cost(NamedTuple):
@@ -95,7 +102,8 @@ def write_runtime(metrics: Sequence[Path], results: Path, paper: Path, shards: i
     Raises:
         UserError: no metrics, or a file that is not what it should be.
     """
-    jobs = [_job(report) for report in read_reports(metrics, out)]
+    in_order = group_reports(read_reports(metrics, out))
+    jobs = [_job(report) for _, members in in_order for report in members]
     categories = dict.fromkeys(job.category for job in jobs)
     shapes = {category: _count_shapes(results, category) for category in categories}
     table = build_runtime(jobs, shapes, results / "benchmarks", shards, read_paper(paper))
@@ -122,19 +130,22 @@ def build_runtime(
     for row in rows:
         row["paper"] = _printed(row, paper)
     rows += _preprocessing(rows, paper)
-    return pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(_COUNTS, "Int64"))
+    table = pd.DataFrame(rows, columns=list(COLUMNS)).astype(dict.fromkeys(_COUNTS, "Int64"))
+    return table.round(dict.fromkeys(("seconds", "seconds_std", "cpu_seconds"), 2) | {"seconds_a_shape": 4})
 
 
 def _job(report: Mapping[str, Any]) -> Job:
     if report["model"] == "real":
-        return Job(report["category"], None, None, None, None, None, None)
+        return Job(report["category"])
     section = next(iter(report["smoothings"].values()))
     return Job(
         category=report["category"],
         grid=report.get("grid") or None,
+        sampling=report.get("sampling"),
         model=report["model"],
         mode=report.get("mode"),
         seed=report.get("seed"),
+        simplified=bool(report.get("simplified", False)),
         shapes=sum(section.get(kind, {}).get("expected", 0) for kind in ("generated", "reconstructed")),
         train_minutes=report.get("train_minutes"),
     )
@@ -147,8 +158,8 @@ def _count_shapes(results: Path, category: str) -> dict[str, int]:
     if catalogue.is_file():
         found = count_shapes(read_catalogue(catalogue))
         repaired = found["ok"] + found["filled"]
-        counts |= {"repair_shapes": found["listed"], "extract_fields": repaired, "evaluate_real": repaired}
-        counts["train_model"] = found["train"]
+        counts = dict.fromkeys(("extract_fields", "extract_samplings", "evaluate_real"), repaired)
+        counts |= {"repair_shapes": found["listed"], "train_model": found["train"]}
     if clouds.is_file():
         sampled = read_clouds(clouds)
         counts["sample_clouds"] = len(sampled.train_ids) + len(sampled.holdout_ids)
@@ -157,6 +168,10 @@ def _count_shapes(results: Path, category: str) -> dict[str, int]:
 
 def _groups(place: str, jobs: Sequence[Job]) -> list[list[Job]]:
     """The jobs of each row of a stage, one a seed."""
+    if place.startswith(_OF_TRAINED):
+        jobs = [job for job in jobs if not job.simplified]
+    elif place.startswith(_OF_SIMPLIFIED):
+        jobs = [job for job in jobs if job.simplified]
     names = [name for name in (*_KEYS, "seed") if f"{{{name}}}" in place]
     groups: dict[tuple[Any, ...], dict[Any, Job]] = {}
     for job in jobs:
@@ -173,22 +188,30 @@ def _row(
     first, stage = members[0], place.split("/", 1)[0]
     costs = [_measure(place, job, benchmarks, shards) for job in members]
     seconds = [cost.seconds for cost in costs if cost.seconds is not None]
-    sampled = known_mean(job.shapes for job in members) if "{mode}" in place else None
-    handled = round(sampled) if sampled else shapes.get(first.category, {}).get(stage)
-    per_shape = handled and seconds and not stage.startswith("train")
+    total, handled = known_mean(seconds), _handled(place, members, shapes)
     return {
         "stage": stage,
         **{name: getattr(first, name) for name in _KEYS if f"{{{name}}}" in place},
         "jobs": sum(cost.jobs for cost in costs),
         "jobs_measured": sum(cost.measured for cost in costs),
-        "shapes": handled if "{category}" in place else None,
-        "seconds": known_mean(seconds),
+        "shapes": handled,
+        "seconds": total,
         "seconds_std": float(np.std(seconds, ddof=1)) if len(seconds) > 1 else None,
-        "seconds_a_shape": float(np.mean(seconds)) / handled if per_shape else None,
+        "seconds_a_shape": None if stage in _TRAINING or not (total and handled) else total / handled,
         "cpu_seconds": known_mean(cost.cpu_seconds for cost in costs),
         "max_rss_mib": max((c.max_rss_mib for c in costs if c.max_rss_mib is not None), default=None),
         "train_minutes": known_mean(j.train_minutes for j in members) if stage == "train_model" else None,
     }
+
+
+def _handled(place: str, members: Sequence[Job], shapes: Mapping[str, Mapping[str, int]]) -> int | None:
+    """Shapes that one seed of a stage goes through, where that can be told."""
+    if "{category}" not in place:
+        return None
+    if "{mode}" not in place:
+        return shapes.get(members[0].category, {}).get(place.split("/", 1)[0])
+    sampled = known_mean(job.shapes for job in members)
+    return None if sampled is None else round(sampled)
 
 
 def _measure(place: str, job: Job, benchmarks: Path, shards: int) -> Cost:
@@ -196,7 +219,8 @@ def _measure(place: str, job: Job, benchmarks: Path, shards: int) -> Cost:
     found = [_read_benchmark(path) for path in paths if path.is_file()]
     memory = [each["max_rss"] for each in found if not np.isnan(each["max_rss"])]
     return Cost(
-        *(_total([each[name] for each in found], len(paths)) for name in ("s", "cpu_time")),
+        seconds=_total([each["s"] for each in found], len(paths)),
+        cpu_seconds=_total([each["cpu_time"] for each in found], len(paths)),
         max_rss_mib=max(memory, default=None),
         jobs=len(paths),
         measured=len(found),
@@ -252,11 +276,11 @@ def _preprocessing(rows: Sequence[Mapping[str, Any]], paper: pd.DataFrame) -> li
 
 
 def _render(table: pd.DataFrame) -> str:
-    deviations = table["seconds_std"].map(lambda value: "" if pd.isna(value) else f" ± {rounded(value)}")
+    deviations = table["seconds_std"].map(lambda value: "" if pd.isna(value) else f" ± {round_value(value)}")
     columns = {
         "Stage": table["stage"],
         "Category": table["category"].map(plain),
-        "Model or grid": table["model"].fillna(table["grid"]).map(plain),
+        "Model or grid": table[["model", "grid", "sampling"]].apply(_first_known, axis=1),
         "Mode": table["mode"].map(plain),
         "Jobs measured": [
             "" if pd.isna(jobs) else f"{measured} of {jobs}"
@@ -273,5 +297,9 @@ def _render(table: pd.DataFrame) -> str:
     return page("Time and memory", markdown_table(columns), notes=_NOTES)
 
 
+def _first_known(row: pd.Series) -> str:
+    return next((str(value) for value in row if not pd.isna(value)), "")
+
+
 def _figure(value: float | None) -> str:
-    return "—" if value is None or pd.isna(value) else rounded(value)
+    return "—" if value is None or pd.isna(value) else round_value(value)

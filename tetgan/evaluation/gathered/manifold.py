@@ -44,7 +44,7 @@ _TITLES = {
 _NOTES = [
     "Shares of a mesh's edges with two faces (manifold), one, and three or more; means over meshes. A shape "
     "is manifold where every edge has two faces and the faces around each vertex form one fan.",
-    "Ground truth: the validation shapes as the grid represents them, which is what a model learns from. "
+    "Ground truth: training shapes as the grid represents them, which is what a model learns from. "
     "Repaired: the watertight meshes before that.",
     "The paper's figures, in parentheses, are of its ground-truth chairs and of generated ones; it names "
     "neither grid nor smoothing.",

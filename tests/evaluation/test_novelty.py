@@ -1,0 +1,44 @@
+"""Novelty: copies are found, and score what sampling costs."""
+
+import numpy as np
+import pytest
+
+from tetgan.evaluation.novelty import nearest_training
+from tetgan.evaluation.pairwise import chamfer_between
+
+
+def sphere(rng: np.random.Generator, radius: float) -> np.ndarray:
+    points = rng.normal(size=(400, 3))
+    return 0.5 + radius * points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+def test_copies_find_their_originals():
+    rng = np.random.default_rng(0)
+    radii = np.linspace(0.1, 0.45, 6)
+    training = np.array([sphere(rng, radius) for radius in radii])
+    order = rng.permutation(6)
+    found = nearest_training(np.array([sphere(rng, radii[i]) for i in order]), training)
+    np.testing.assert_array_equal(found.shape, order)
+    # Area / (pi n), each way; 400 nearest distances deviate by about 7 % from that.
+    np.testing.assert_allclose(found.distance, 2 * 4 * radii[order] ** 2 / 400, rtol=0.3)
+
+
+def test_what_was_not_seen_lies_farther():
+    rng = np.random.default_rng(0)
+    training = np.array([sphere(rng, 0.2), sphere(rng, 0.3)])
+    new = nearest_training(np.array([sphere(rng, 0.4)]), training)
+    # Two spheres around one centre, 0.1 apart, each way, and little more for the sampling.
+    assert new.shape[0] == 1
+    assert new.distance[0] == pytest.approx(2 * 0.1**2, rel=0.2)
+
+
+def test_measuring_every_shape_finds_the_same():
+    # Ellipsoids that differ by little: nothing but their shape tells them apart.
+    rng = np.random.default_rng(0)
+    axes = rng.uniform(0.7, 1.3, (70, 1, 3))
+    clouds = np.array([sphere(rng, 0.3) for _ in range(70)]) * axes
+    found, training = clouds[:10], clouds[10:]
+    distances = chamfer_between(found, training)
+    got = nearest_training(found, training)
+    np.testing.assert_array_equal(got.shape, distances.argmin(1))
+    np.testing.assert_allclose(got.distance, distances.min(1), atol=1e-6)

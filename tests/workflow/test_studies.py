@@ -1,0 +1,43 @@
+"""The studies in the smoke run."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from PIL import Image
+from smoke_project import planned
+
+pytestmark = pytest.mark.xdist_group("workflow")
+TARGETS = [
+    "results/smoke/tables/resolution.csv",
+    "results/smoke/tables/smoothing.csv",
+    "results/smoke/figures/chair/smoothing.png",
+]
+
+
+@pytest.fixture(scope="module")
+def studied(smoked):
+    project, _, _ = smoked
+    result = project.smoke(*TARGETS)
+    assert result.returncode == 0, result.stdout + result.stderr
+    assert planned(project.smoke("-n", *TARGETS)) == {}
+    return project.folder
+
+
+def test_tables_hold_every_representation_and_variant(studied):
+    resolution, smoothing = (pd.read_csv(studied / target) for target in TARGETS[:2])
+    assert len(resolution) == 5
+    assert (resolution["order"] > 0.5).all()
+    assert set(smoothing["model"]) == {"representation-LR", "tetgan-LR"}
+    assert len(smoothing) == 2 * 9
+    ground_truth = smoothing[smoothing["model"] == "representation-LR"]
+    assert ground_truth[["chamfer", "bend_p95"]].notna().all(axis=None)
+    assert ground_truth["kid"].notna().sum() == 8
+    for target in TARGETS[:2]:
+        assert (studied / target).with_suffix(".md").read_text().count("|") > 40
+
+
+def test_figures_show_something(studied):
+    for target in ("results/smoke/figures/resolution.png", TARGETS[2]):
+        picture = np.asarray(Image.open(studied / target).convert("L"))
+        assert 0.02 < (picture < 230).mean() < 0.9
+    assert (studied / "results/smoke/figures/resolution.csv").is_file()

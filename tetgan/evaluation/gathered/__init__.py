@@ -1,0 +1,1 @@
+"""Tables across categories, gathered from what other stages measured."""

@@ -1,0 +1,96 @@
+"""Stage: the smoothing study of every model in one table, and whether it bears the paper out."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tetgan.errors import UserError
+from tetgan.evaluation.estimates import mean_estimate
+from tetgan.evaluation.options import EvaluationOptions
+from tetgan.files import whole_file
+from tetgan.studies.smoothers import VARIANTS
+from tetgan.studies.smoothing_files import REPAIRED, Study, read_study
+from tetgan.studies.smoothing_report import render_smoothing
+
+IDENTITY = (
+    "category",
+    "model",
+    "grid",
+    "tets",
+    "displaced",
+    "smoothing",
+    "beta",
+    "n",
+    "samples",
+    "extractor",
+)
+"""First columns: `n` validation shapes compared, `samples` surfaces on each side of FID and KID."""
+
+FIGURES = (
+    "chamfer",
+    "fid",
+    "kid",
+    "volume_ratio",
+    "volume_to_repaired",
+    "bend_p95",
+    "bend_sharp",
+    "bend_w1",
+    "crease_distance",
+    "manifold_edges",
+    "inverted_tets",
+)
+"""Each followed by the ends of its interval, `_low` and `_high`."""
+
+
+def write_smoothing_table(studies: Sequence[Path], out: Path) -> None:
+    """Write the table as CSV and, with what it says of the paper's claims, as Markdown beside it.
+
+    Args:
+        studies: folders that `study_smoothing` wrote.
+
+    Raises:
+        UserError: there is none, or one that is not whole.
+    """
+    if not studies:
+        raise UserError(f"{out}: no study of a model; name one under studies.smoothing.models")
+    loaded = [read_study(folder) for folder in studies]
+    table = pd.concat([study_table(study) for study in loaded], ignore_index=True)
+    with whole_file(out) as partial:
+        table.to_csv(partial, index=False)
+    with whole_file(out.with_suffix(".md")) as partial:
+        partial.write_text(render_smoothing(table, loaded), encoding="utf-8")
+
+
+def study_table(study: Study) -> pd.DataFrame:
+    """A row a variant of one model, then the repaired shapes; missing is empty."""
+    report, evaluation = study.report, study.evaluation
+    shared = {name: report.get(name) for name in ("category", "model", "grid", "tets")}
+    shared |= {"beta": report["meshing"]["beta"]}
+    measured = {"samples": report["samples"], "extractor": report["extractor"]}
+    lines = []
+    for variant in VARIANTS:
+        line = shared | measured | {"displaced": variant.displaced, "smoothing": variant.smoothing}
+        line |= _means(study.of(variant), evaluation)
+        for metric, estimate in report["features"][variant.name].items():
+            line |= {
+                f"{metric}{end}": estimate[key]
+                for end, key in (("", "value"), ("_low", "low"), ("_high", "high"))
+            }
+        lines.append(line)
+    lines.append(shared | {"smoothing": REPAIRED} | _means(study.of_repaired(), evaluation))
+    columns = [*IDENTITY, *(f"{figure}{end}" for figure in FIGURES for end in ("", "_low", "_high"))]
+    kinds = dict.fromkeys(("tets", "n", "samples"), "Int64") | {"displaced": "boolean"}
+    return pd.DataFrame(lines, columns=columns).astype(kinds)
+
+
+def _means(rows: pd.DataFrame, evaluation: EvaluationOptions) -> dict[str, Any]:
+    """Mean over shapes and its interval, of every figure there is."""
+    line: dict[str, Any] = {"n": int(rows["chamfer"].notna().sum())}
+    for figure in (name for name in FIGURES if name in rows):
+        values = rows[figure].dropna().to_numpy(dtype=np.float64)
+        estimate = mean_estimate(values, figure, evaluation)
+        line |= {figure: estimate.value, f"{figure}_low": estimate.low, f"{figure}_high": estimate.high}
+    return line

@@ -1,0 +1,53 @@
+"""One validation shape in every variant of displacement and smoothing, whole and enlarged, for each model."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from tetgan.rendering.raycast import render_mesh
+from tetgan.rendering.sheet import contact_sheet, save_image
+from tetgan.shapes.archive import read_meshes
+from tetgan.studies.smoothers import VARIANTS
+from tetgan.studies.smoothing_files import EXAMPLE, REPAIRED
+
+CELL = 300
+ENLARGED = 3
+# Corner of the enlarged window in the enlarged picture, in cells: about where a seat meets its back and legs.
+WINDOW = (0.9, 1.2)
+NAMES = {"none": "", "wls": "wLS", "uniform": "plain", "cotangent": "cotangent"}
+
+
+def whole(vertices, faces):
+    return render_mesh(vertices, faces, size=(CELL, CELL), span=1.3)
+
+
+def enlarged(vertices, faces):
+    side = ENLARGED * CELL
+    picture = render_mesh(vertices, faces, size=(side, side), span=1.3)
+    top, left = (round(CELL * place) for place in WINDOW)
+    return np.ascontiguousarray(picture[top : top + CELL, left : left + CELL])
+
+
+def columns():
+    """Name in the archive and title of every column."""
+    yield REPAIRED, "repaired shape"
+    for variant in VARIANTS:
+        base = "displaced" if variant.displaced else "blocky"
+        yield variant.name, " + ".join(filter(None, [base, NAMES[variant.smoothing]]))
+
+
+def draw(studies: list[str], models: list[str], out: str) -> None:
+    pictures, rows = [], []
+    for study, model in zip(studies, models, strict=True):
+        shapes = {name: (vertices, faces) for name, vertices, faces in read_meshes(Path(study) / EXAMPLE)}
+        for view in (whole, enlarged):
+            pictures += [view(*shapes[name]) for name, _ in columns()]
+        rows += [model, "enlarged"]
+    titles = [title for _, title in columns()]
+    save_image(out, contact_sheet(pictures, len(titles), titles=titles * len(rows), row_titles=rows))
+
+
+with Path(snakemake.log[0]).open("w") as log:
+    sys.stdout = sys.stderr = log
+    draw(list(snakemake.input.studies), list(snakemake.params.names), snakemake.output.picture)
