@@ -16,7 +16,7 @@ WIDTH = 7.2  # inches
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#444444")
 """Okabe and Ito's, without the yellow that is too pale for lines."""
 DASHES = ("-", "--", "-.", ":")
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "figure.dpi": 200,
     "figure.facecolor": "white",
     "font.size": 8,
