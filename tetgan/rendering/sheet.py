@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection, Sequence
+from itertools import accumulate
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ Ink = tuple[int, int, int]
 INK: Ink = (40, 44, 52)
 FAINT: Ink = (165, 170, 178)
 _RULE: Ink = (205, 208, 214)
+_LETTERS = 80  # across a page at least: about seven points where it is printed across a sheet
 _LINE = 1.4  # height of a line of text, over that of its letters
 _Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
@@ -42,26 +44,26 @@ def contact_sheet(
     """
     _check(images, columns, titles, row_titles, column_titles)
     height, width = images[0].shape[:2]
-    letters = letters_of(height)
+    letters = max(letters_of(height), columns * width // _LETTERS)
     font = ImageFont.load_default(size=letters)
-    below = _text_height(titles, letters) if titles and any(titles) else 0
-    above = _text_height(column_titles, letters) if column_titles else 0
+    above = _text_height(column_titles or (), letters)
     left = _text_width(row_titles, font) + letters if row_titles else 0
-    rows, step = math.ceil(len(images) / columns), height + below
-    page = Image.new("RGB", (left + columns * width, above + rows * step), "white")
+    tops, belows = _row_places(titles or len(images) * [""], columns, height, letters)
+    page = Image.new("RGB", (left + columns * width, above + tops[-1]), "white")
     draw = ImageDraw.Draw(page)
     for column, title in enumerate(column_titles or ()):
         ink = column_inks[column] if column_inks else INK
         _write(draw, (left + (column + 0.5) * width, above / 2), title, font, ink=ink)
     for number, image in enumerate(images):
-        x, y = left + number % columns * width, above + number // columns * step
+        row, column = divmod(number, columns)
+        x, y = left + column * width, above + tops[row]
         page.paste(Image.fromarray(image), (x, y))
         if titles:
-            _write(draw, (x + width / 2, y + height + below / 2), titles[number], font)
+            _write(draw, (x + width / 2, y + height + belows[row] / 2), titles[number], font)
     for row, title in enumerate(row_titles or ()):
-        _write(draw, (letters / 2, above + row * step + height / 2), title, font, anchor="lm")
+        _write(draw, (letters / 2, above + tops[row] + height / 2), title, font, anchor="lm")
     for row in ruled_rows:
-        draw.line((0, above + row * step, page.width, above + row * step), _RULE, max(1, letters // 12))
+        draw.line((0, above + tops[row], page.width, above + tops[row]), _RULE, max(1, letters // 12))
     return np.asarray(page).copy()
 
 
@@ -126,5 +128,15 @@ def _text_width(texts: Sequence[str], font: _Font) -> int:
 
 
 def _text_height(texts: Sequence[str], letters: int) -> int:
-    """Room for the tallest text, and half a line."""
-    return round((max(text.count("\n") for text in texts) + 1.5) * _LINE * letters)
+    """Room for the tallest text, and half a line; none for no text."""
+    lines = max((text.count("\n") + 1 for text in texts if text), default=0)
+    return round((lines + 0.5) * _LINE * letters) if lines else 0
+
+
+def _row_places(
+    titles: Sequence[str], columns: int, height: int, letters: int
+) -> tuple[list[int], list[int]]:
+    """Where each row begins, and where the last ends; and the room that each has for its titles."""
+    rows = range(0, len(titles), columns)
+    belows = [_text_height(titles[start : start + columns], letters) for start in rows]
+    return [0, *accumulate(height + below for below in belows)], belows

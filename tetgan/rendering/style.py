@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from itertools import cycle
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import pandas as pd
@@ -15,7 +16,7 @@ WIDTH = 7.2  # inches
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#444444")
 """Okabe and Ito's, without the yellow that is too pale for lines."""
 DASHES = ("-", "--", "-.", ":")
-_STYLE = {
+_STYLE: dict[Any, Any] = {
     "figure.dpi": 200,
     "figure.facecolor": "white",
     "font.size": 8,
@@ -47,9 +48,9 @@ def plot_style() -> Iterator[None]:
         yield
 
 
-def line_styles(names: list[str]) -> dict[str, dict[str, str]]:
+def line_styles(names: list[str]) -> dict[str, dict[str, Any]]:
     """Colour and dash of each name: colours first, then the next dash."""
-    looks = [{"color": color, "linestyle": dash} for dash in DASHES for color in COLORS]
+    looks: list[dict[str, Any]] = [{"color": color, "linestyle": dash} for dash in DASHES for color in COLORS]
     return dict(zip(names, cycle(looks), strict=False))
 
 

@@ -79,7 +79,7 @@ def _write_triple(
     fields = dict(zip(LETTERS, space.decode(torch.stack([a, b, c, add_difference(a, b, c)])), strict=True))
     into = folder / "{}-minus-{}-plus-{}".format(*ids)
     grid = store.hierarchy.finest
-    items = ((letter, field, {}) for letter, field in fields.items())
+    items: list[tuple[str, Field | VertexField, dict[str, Any]]] = [(x, fields[x], {}) for x in LETTERS]
     written = write_solids(into, items, grid, store.mu, meshing, smoothing=True)
     _write_changes(into, options.changed)
     parts = difference(store.read(triple.a), store.read(triple.b), grid, options.changed)
@@ -121,4 +121,4 @@ def _write_changes(folder: Path, threshold: float) -> None:
         if surface is not None
     }
     with whole_file(folder / CHANGES) as partial:
-        np.savez_compressed(partial, **changes)
+        np.savez_compressed(partial, **changes)  # type: ignore[arg-type]

@@ -30,6 +30,6 @@ class LatentOptions(Options):
 class NearestOptions(Options):
     """The training shape nearest to each sample."""
 
-    samples: int = Field(96, ge=1, description="most samples that are looked up, the first ones")
+    samples: int = Field(64, ge=1, description="most samples that are looked up, the first ones")
     points: int = Field(10_000, ge=100, description="points sampled on each surface")
     seed: int = Field(0, ge=0, description="seed of the sampled points")

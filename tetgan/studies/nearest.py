@@ -86,15 +86,16 @@ def find_nearest(
     """
     if shape is None or not len(candidates):
         return None, math.nan
-    rows = np.arange(len(candidates))
+    rows = list(range(len(candidates)))
     for probes in _PROBES:
         if len(rows) > 1 and probes < len(shape.points):
             estimates = [_estimate(shape, candidates[row], probes) for row in rows]
             middle, error = np.array(estimates).T
-            rows = rows[middle - _ERRORS * error <= (middle + _ERRORS * error).min()]
+            near = middle - _ERRORS * error <= (middle + _ERRORS * error).min()
+            rows = [row for row, kept in zip(rows, near, strict=True) if kept]
     distances = [chamfer(shape, candidates[row]) for row in rows]
     best = int(np.argmin(distances))
-    return int(rows[best]), distances[best]
+    return rows[best], distances[best]
 
 
 def _estimate(first: SurfaceSample, second: SurfaceSample, probes: int) -> tuple[float, float]:

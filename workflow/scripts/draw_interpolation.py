@@ -23,7 +23,7 @@ def pair_rows(folder: Path, name: str, steps: pd.DataFrame, archives: list[str])
     paths = [folder / steps["pair"].iloc[0] / f"{step}.ply" for step in steps["id"]]
     cut = [cut_open(read_solid(path.with_suffix(".vtu")), CUT) for path in paths]
     return [
-        Row(name, [first, *map(read_shape, paths), second], ["A", *captions(steps), "B"], ruled=True),
+        Row(name, [first, *map(read_shape, paths), second], ["", *captions(steps)], ruled=True),
         Row("cut open", [NOTHING, *cut, NOTHING], azimuth=CUT_AZIMUTH),
     ]
 
