@@ -5,6 +5,7 @@ import pytest
 import trimesh
 
 from tetgan.rendering.figure import NOTHING, Row, Shape, draw_rows
+from tetgan.rendering.sheet import contact_sheet
 from tetgan.rendering.view import View
 
 SIZE = (60, 60)
@@ -16,34 +17,49 @@ def box(width: float, height: float = 0.8) -> Shape:
     return Shape(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
 
 
-def cell(image: np.ndarray, row: int, column: int, left: int) -> np.ndarray:
-    width, height = SIZE
-    return image[row * height :, left + column * width :][:height, :width]
+@pytest.fixture
+def cells(monkeypatch) -> list[np.ndarray]:
+    """The pictures of the sheet that is drawn next, row by row."""
+    seen: list[np.ndarray] = []
+
+    def spy(images, columns, **titles):
+        seen[:] = images
+        return contact_sheet(images, columns, **titles)
+
+    monkeypatch.setattr("tetgan.rendering.figure.contact_sheet", spy)
+    return seen
 
 
-def test_every_shape_has_a_cell_and_short_rows_end_white():
+def ink(cell: np.ndarray) -> float:
+    return float((cell < 250).any(axis=2).mean())
+
+
+def test_every_shape_has_a_cell_and_short_rows_end_white(cells):
     rows = [Row("one", [box(0.2), box(0.3), box(0.4)]), Row("two", [box(0.5)])]
     image = draw_rows(rows, View(size=SIZE))
-    left = image.shape[1] - 3 * SIZE[0]
-    assert left > 0 and image.shape[0] == 2 * SIZE[1]
-    for place in ((0, 0), (0, 1), (0, 2), (1, 0)):
-        assert 0.03 < (cell(image, *place, left) < 250).any(axis=2).mean() < 0.9
-    for place in ((1, 1), (1, 2)):
-        assert (cell(image, *place, left) == 255).all()
+    height, width, _ = cells[0].shape
+    assert len(cells) == 6 and image.shape[0] == 2 * SIZE[1] and image.shape[1] > 3 * width
+    assert all(0.03 < ink(cell) < 0.9 for cell in cells[:4]) and ink(cells[4]) == ink(cells[5]) == 0
 
 
-def test_a_missing_shape_is_said_and_nothing_is_left_white():
-    image = draw_rows([Row("", [None, NOTHING, box(0.5)])], View(size=SIZE))
-    missing, nothing, _ = (image[:, image.shape[1] - i * 60 :][:, :60] for i in (3, 2, 1))
-    assert 0 < (missing < 250).any(axis=2).mean() < 0.1
-    assert (nothing == 255).all()
+def test_a_missing_shape_is_said_and_nothing_is_left_white(cells):
+    draw_rows([Row("", [None, NOTHING, box(0.5)])], View(size=(90, 60)))
+    assert 0 < ink(cells[0]) < 0.1 and ink(cells[1]) == 0 and ink(cells[2]) > 0.2
 
 
-def test_all_rows_have_one_scale():
+def test_cells_are_no_wider_than_the_shapes_and_no_wider_than_asked(cells):
+    # Seen from the front at eye level: a box 0.4 wide and 0.5 tall is 0.8 as wide as tall.
+    straight = View(size=SIZE, azimuth=0, elevation=0)
+    for shape, width in ((box(0.4, 0.5), 48), (box(0.1, 0.9), 36), (box(0.9, 0.1), 60)):
+        draw_rows([Row("", [shape])], straight)
+        assert cells[0].shape[:2] == (60, width)
+
+
+def test_all_rows_have_one_scale(cells):
     # A box twice as wide is twice as wide in the picture, also in a row seen from elsewhere.
     rows = [Row("", [box(0.2)]), Row("", [box(0.4)], azimuth=90)]
-    image = draw_rows(rows, View(size=SIZE, azimuth=0, elevation=0))[:, -SIZE[0] :]
-    narrow, wide = ((image[y : y + 60] < 250).any(axis=(0, 2)).sum() for y in (0, 60))
+    draw_rows(rows, View(size=SIZE, azimuth=0, elevation=0))
+    narrow, wide = ((cell < 250).any(axis=(0, 2)).sum() for cell in cells)
     assert wide == pytest.approx(2 * narrow, abs=2)
 
 

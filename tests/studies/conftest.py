@@ -43,7 +43,7 @@ MESHES: dict[str, Mesh] = {
     "wide": seat(0.9),
     "middle": seat(0.6),
     "narrow": seat(0.35),
-    "pole": boxes(((0.45, 0.0, 0.45), (0.55, 1.0, 0.55))),
+    "pole": boxes(((0.35, 0.0, 0.35), (0.65, 1.0, 0.65))),
 }
 
 

@@ -37,7 +37,7 @@ def test_the_difference_turned_round_swaps_its_parts(fields, store):
 def test_the_clearest_triple_adds_a_back_to_the_narrow_stool(fields, store):
     (triple,) = choose_triples(fields, store.hierarchy.finest, 5, THRESHOLD)
     assert triple[:3] == ("wide-back", "wide", "narrow")
-    assert triple.kept > 0.9 and 0.05 < triple.part < 0.5
+    assert triple.kept > 0.7 and 0.05 < triple.part < 0.5
 
 
 def test_the_order_of_the_shapes_makes_no_difference(store):

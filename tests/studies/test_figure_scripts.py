@@ -12,6 +12,7 @@ from PIL import Image
 
 from tetgan.meshing.options import MeshingOptions
 from tetgan.models.samples import write_samples
+from tetgan.rendering.sheet import contact_sheet
 from tetgan.studies.arithmetic import write_arithmetic
 from tetgan.studies.figure_options import LatentOptions, NearestOptions
 from tetgan.studies.interpolation import write_interpolations
@@ -41,6 +42,19 @@ def made(project, model, tmp_path_factory) -> Path:
 
 
 @pytest.fixture
+def cells(monkeypatch) -> list[np.ndarray]:
+    """The pictures of the sheet that is drawn next, row by row."""
+    seen: list[np.ndarray] = []
+
+    def spy(images, columns, **titles):
+        seen[:] = images
+        return contact_sheet(images, columns, **titles)
+
+    monkeypatch.setattr("tetgan.rendering.figure.contact_sheet", spy)
+    return seen
+
+
+@pytest.fixture
 def draw(made, project, tmp_path, monkeypatch):
     """A figure by the name of its script: the picture and the table beside it."""
 
@@ -60,61 +74,53 @@ def draw(made, project, tmp_path, monkeypatch):
     return run
 
 
-def cells_with_ink(picture: np.ndarray, size: int, columns: int) -> list[int]:
-    """How many of the cells of each row of pictures, from the right, hold more than text."""
-    right = picture[:, picture.shape[1] - columns * size :]
-    covered = (right < 235).any(axis=2).reshape(len(right), columns, size).mean(axis=2) > 0.1
-    # Runs of lines that any shape covers are rows of pictures.
-    edges = np.flatnonzero(np.diff(np.r_[False, covered.any(axis=1), False].astype(int)))
-    rows = [covered[start:stop] for start, stop in edges.reshape(-1, 2) if stop - start > size / 4]
-    return [int(row.any(axis=0).sum()) for row in rows]
+def with_a_shape(cells: list[np.ndarray]) -> list[bool]:
+    """Which cells show more than a word."""
+    return [bool((cell < 235).any(axis=2).mean() > 0.04) for cell in cells]
 
 
-def test_samples(draw, made):
+def test_samples(draw, cells, made):
     picture, table = draw("samples", samples=[str(made / "samples")])
-    assert picture.shape[1] > 4 * 300 and picture.shape[0] == 4 * 300
-    assert cells_with_ink(picture, 300, 4) == [4, 4, 4, 4]
+    assert with_a_shape(cells) == 16 * [True]
+    height, width, _ = cells[0].shape
+    assert height == 300 and picture.shape[0] == 4 * 300 and picture.shape[1] > 4 * width
     assert table.groupby("set").size().to_dict() == {"generated": 4, "validation": 4}
 
 
-def test_comparison(draw, made):
-    picture, table = draw("comparison", samples=[str(made / "samples")])
-    assert picture.shape[0] == 2 * 260
-    assert cells_with_ink(picture, 260, 4) == [4, 4]
+def test_comparison(draw, cells, made):
+    _, table = draw("comparison", samples=[str(made / "samples")])
+    assert with_a_shape(cells) == 8 * [True]
     assert table["model"].tolist() == 4 * ["real"] + 4 * ["a-model"] and (table["faces"] > 0).all()
 
 
-def test_interpolation(draw, made):
-    picture, table = draw("interpolation", folders=[str(made / "between")])
-    assert picture.shape[1] > 5 * 260
-    assert cells_with_ink(picture, 260, 5) == [5, 3]
+def test_interpolation(draw, cells, made):
+    _, table = draw("interpolation", folders=[str(made / "between")])
+    assert with_a_shape(cells) == 5 * [True] + [False, True, True, True, False]
     assert table["t"].tolist() == [0, 0.5, 1]
 
 
-def test_arithmetic(draw, made):
-    picture, table = draw("arithmetic", folders=[str(made / "sums")])
-    assert cells_with_ink(picture, 360, 4) == [4]
+def test_arithmetic(draw, cells, made):
+    _, table = draw("arithmetic", folders=[str(made / "sums")])
+    assert with_a_shape(cells) == 4 * [True]
     assert table["model"].tolist() == ["a-model"]
-    # The back is added in purple on A and in green on D.
-    a, d = (
-        picture[:, picture.shape[1] - 360 * place :][:, :360].reshape(-1, 3).astype(int) for place in (4, 1)
-    )
-    assert ((a[:, 2] - a[:, 1]) > 60).mean() > 0.01
+    # The back is added in purple on A and in green on D; nothing of B is.
+    a, b, _, d = (cell.reshape(-1, 3).astype(int) for cell in cells)
+    assert ((a[:, 2] - a[:, 1]) > 60).mean() > 0.01 > ((b[:, 2] - b[:, 1]) > 60).mean()
     assert ((d[:, 1] - d[:, 0]) > 60).mean() > 0.01
 
 
-def test_solids(draw, made):
-    picture, table = draw("solids", samples=[str(made / "samples")])
-    assert picture.shape[1] > 6 * 320
-    assert all(count >= 5 for count in cells_with_ink(picture, 320, 6))
+def test_solids(draw, cells, made):
+    _, table = draw("solids", samples=[str(made / "samples")])
+    shown = np.array(with_a_shape(cells)).reshape(3, 6)
+    assert shown[:, :-1].all()
     assert len(table) == 3 and (table["voids"] == 0).all()
 
 
-def test_nearest(draw, made):
+def test_nearest(draw, cells, made):
     tables = {"tables": [str(made / "model.csv")], "real": str(made / "real.csv")}
-    picture, table = draw("nearest", samples=[str(made / "samples")], **tables)
-    assert cells_with_ink(picture, 300, 4) == [4, 4]
-    assert table.groupby("model").size().to_dict() == {"a-model": 4, "real": 4}
+    _, table = draw("nearest", samples=[str(made / "samples")], **tables)
+    assert with_a_shape(cells) == 8 * [True]
+    assert table.groupby("model").size().to_dict() == {"a-model": 4, "real": 5}
 
 
 def test_training(draw, made):

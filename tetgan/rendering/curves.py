@@ -8,18 +8,19 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from tetgan.rendering.style import WIDTH, line_styles, plot_style
 
 _PANELS = {
     "validation_iou": "Validation IoU",
-    "validation_occupancy_loss": "Validation occupancy loss",
-    "validation_displacement_loss": "Validation displacement loss",
-    "occupancy_loss": "Occupancy loss",
-    "displacement_loss": "Displacement loss",
-    "kl": "KL divergence",
-    "local_gap": "Local critic: real less generated",
-    "global_gap": "Global critic: real less generated",
+    "validation_occupancy_loss": "Occupancy loss, validation",
+    "validation_displacement_loss": "Displacement loss, validation",
+    "occupancy_loss": "Occupancy loss, training",
+    "displacement_loss": "Displacement loss, training",
+    "kl": "KL divergence, training",
+    "local_gap": "Gap of the local critic",
+    "global_gap": "Gap of the global critic",
 }
 _NEVER = {
     *("model", "seed", "epoch", "seconds", "learning_rate", "kl_weight"),
@@ -71,6 +72,9 @@ def _draw_measure(axes: Axes, logs: pd.DataFrame, measure: str, names: Sequence[
     values = logs[measure].dropna().to_numpy(dtype=float)
     if measure not in _LINEAR and len(values) and np.nanmin(values) > 0:
         axes.set_yscale("log")
+        axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xlim(left=0)
 
 

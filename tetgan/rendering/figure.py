@@ -12,6 +12,7 @@ from tetgan.rendering.raycast import STEEL
 from tetgan.rendering.sheet import Ink, contact_sheet, note
 from tetgan.rendering.view import View
 
+_PROPORTIONS = (0.6, 2.0)  # width of a cell over its height, at least and at most
 EMPTY = "empty"
 """What the figure says where a model produced nothing."""
 
@@ -56,6 +57,8 @@ def draw_rows(
 ) -> UInt8[np.ndarray, "H W 3"]:
     """The sheet of all rows, at the largest scale at which every shape fits its cell.
 
+    A cell is as large as the view's picture, but no wider than the shapes need.
+
     Raises:
         ValueError: no rows, or fewer column titles than columns.
     """
@@ -78,15 +81,22 @@ def draw_rows(
 
 
 def _common_scale(rows: Sequence[Row], view: View) -> list[View]:
-    """The view of each row: their directions differ, their scale does not."""
+    """The view of each row: their directions differ, their scale and their shape do not."""
     turned = [view if row.azimuth is None else replace(view, azimuth=row.azimuth) for row in rows]
-    drawn = [[shape for shape in row.shapes if shape is not None] for row in rows]
-    near = [
-        own.close_to(shape.vertices for shape in shapes).span
-        for own, shapes in zip(turned, drawn, strict=True)
-        if shapes
+    reaches = [
+        own.reach_of(shape.vertices for shape in row.shapes if shape is not None)
+        for own, row in zip(turned, rows, strict=True)
     ]
-    return [replace(own, span=max(near, default=view.span)) for own in turned]
+    reach = np.max([np.zeros(2), *reaches], axis=0)
+    return [replace(own, size=_cell_size(reach, view.size)).holding(reach) for own in turned]
+
+
+def _cell_size(reach: Float[np.ndarray, "2"], size: tuple[int, int]) -> tuple[int, int]:
+    """A cell of the height asked for, no wider than the shapes need."""
+    if not reach.all():
+        return size
+    width = size[1] * float(np.clip(reach[0] / reach[1], *_PROPORTIONS))
+    return min(size[0], round(width)), size[1]
 
 
 def _draw(row: Row, view: View, column: int) -> UInt8[np.ndarray, "H W 3"]:

@@ -31,13 +31,20 @@ class View:
 
     def close_to(self, shapes: Iterable[Float[np.ndarray, "_v 3"]]) -> "View":
         """The same view as near as it can be with all of these vertices in the picture."""
+        return self.holding(self.reach_of(shapes))
+
+    def reach_of(self, shapes: Iterable[Float[np.ndarray, "_v 3"]]) -> Float[np.ndarray, "2"]:
+        """How far vertices lie from the middle at most, across and up the picture, in cube sides."""
         axes = camera_axes(self.azimuth, self.elevation)[:, :2]
-        frame = np.array(self.size) / min(self.size)
-        reach = [np.abs((points - np.array(MIDDLE)) @ axes) / frame for points in shapes if len(points)]
-        if not reach:
+        reaches = [np.abs((points - np.array(MIDDLE)) @ axes).max(axis=0) for points in shapes if len(points)]
+        return np.max([np.zeros(2), *reaches], axis=0)
+
+    def holding(self, reach: Float[np.ndarray, "2"]) -> "View":
+        """The view with a reach just inside the picture; the view as it is, for no reach."""
+        if not reach.any():
             return self
-        span = 2 * _MARGIN * max(float(part.max()) for part in reach)
-        return replace(self, span=max(span, _CLOSEST))
+        frame = np.array(self.size) / min(self.size)
+        return replace(self, span=max(2 * _MARGIN * float((reach / frame).max()), _CLOSEST))
 
     def draw(
         self,

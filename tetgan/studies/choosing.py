@@ -33,8 +33,8 @@ class Triple(NamedTuple):
     """A and B are alike but for one part; C is like B where that part is, and unlike it elsewhere.
 
     Attributes:
-        part: share of A and B together by which they differ far from each other.
-        kept: share of what A and B have in common that lies outside the box around those differences.
+        part: share of the union of A and B that one has far from the other.
+        kept: share of the union that both have, outside the box around those differences.
     """
 
     a: str
@@ -76,10 +76,11 @@ def choose_triples(fields: dict[str, Field], grid: TetGrid, count: int, threshol
     """The `count` clearest triples, no shape in two of them.
 
     For each shape A and each of the `NEAREST` shapes B most like it by occupancy, the part by which they
-    differ is what lies further than `threshold` from the other. The clearest pair has the largest product of
-    `Triple.part` and `Triple.kept`: much differs, all of it in one place. A is the one that has more there. C
-    is, among the half of the other shapes that are least like B outside the box, the one most like B in it.
-    Likeness is the volume of the intersection over that of the union. Ties go to the smaller id.
+    differ is what lies further than `threshold` from the other. The clearer a pair, the larger the smaller
+    one of `Triple.part` and `Triple.kept`: much differs in one place, and much is alike elsewhere. A is the
+    one that has more there. C is, among the half of the other shapes that are least like B outside the box,
+    the one most like B in it. Likeness is the volume of the intersection over that of the union. Ties go to
+    the smaller id.
 
     Args:
         fields: by id; of more than `MOST_SHAPES`, the first by id count.
@@ -113,13 +114,12 @@ def _ranked_pairs(
         found = difference(fields[a], fields[b], grid, threshold)
         added, removed = (float(grid.volumes[part].sum()) for part in (found.added, found.removed))
         both, either = fields[a].occupancy & fields[b].occupancy, fields[a].occupancy | fields[b].occupancy
-        shared, together = float(grid.volumes[both].sum()), float(grid.volumes[either].sum())
-        if added + removed == 0 or shared == 0:
-            continue
-        kept = float(grid.volumes[both & ~found.box].sum()) / shared
-        one, other = (a, b) if added >= removed else (b, a)
-        ranked.append(_Pair(one, other, (added + removed) / together, kept, found.box))
-    return sorted(ranked, key=lambda pair: (-pair.part * pair.kept, pair.a, pair.b))
+        together = float(grid.volumes[either].sum())
+        if added + removed > 0:
+            kept = float(grid.volumes[both & ~found.box].sum()) / together
+            one, other = (a, b) if added >= removed else (b, a)
+            ranked.append(_Pair(one, other, (added + removed) / together, kept, found.box))
+    return sorted(ranked, key=lambda pair: (-min(pair.part, pair.kept), pair.a, pair.b))
 
 
 def _near_pairs(occupancy: Bool[np.ndarray, "N T"], volumes: Float[np.ndarray, "T"]) -> list[tuple[int, int]]:

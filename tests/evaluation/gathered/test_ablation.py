@@ -4,6 +4,7 @@ import pytest
 
 from tetgan.errors import UserError
 from tetgan.evaluation.ablation import COLUMNS, write_ablation
+from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.samples import SOLID_METRICS
 
 MODELS = ["tetgan-LR", "tet-gcn", "no-local", "no-global", "real"]
@@ -27,10 +28,7 @@ def report(report):
     """Reports with the conventions that the notes tell."""
 
     def get(category, model, **others):
-        made = report(category, model, **others)
-        variety = {"definition": "text", "pairs": 250, "closest": 25, "repeats": 5}
-        made["options"] |= {"points": 10000, "fscore_threshold": 0.01, "samples": 4, "variety": variety}
-        return made
+        return report(category, model, **others) | {"options": EvaluationOptions().model_dump(mode="json")}
 
     return get
 

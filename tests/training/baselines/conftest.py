@@ -15,14 +15,23 @@ POINTS = 4000
 SPLITS = {"ball-0": "train", "ball-1": "train", "box-0": "train", "box-1": "train", "box-2": "validation"}
 
 
+# Centre, then radius or half the sides.
+PARTS = {
+    "ball-0": ((0.5, 0.5, 0.5), 0.45),
+    "ball-1": ((0.35, 0.5, 0.5), 0.3),
+    "box-0": ((0.5, 0.25, 0.5), (0.45, 0.22, 0.45)),
+    "box-1": ((0.75, 0.5, 0.5), (0.22, 0.45, 0.45)),
+    "box-2": ((0.5, 0.7, 0.6), (0.4, 0.25, 0.3)),
+}
+
+
 def distance(shape_id: str, points: np.ndarray) -> np.ndarray:
-    """Signed distance to a ball or a box about the middle of the cube, negative inside."""
-    kind, number = shape_id.split("-")
-    offset = points - 0.5
-    if kind == "ball":
-        return np.linalg.norm(offset, axis=-1) - (0.25 + 0.15 * int(number))
-    half = [(0.4, 0.15, 0.3), (0.15, 0.4, 0.2), (0.3, 0.2, 0.3)][int(number)]
-    q = np.abs(offset) - half
+    """Signed distance to a ball or a box, negative inside."""
+    centre, size = PARTS[shape_id]
+    offset = points - np.array(centre)
+    if shape_id.startswith("ball"):
+        return np.linalg.norm(offset, axis=-1) - size
+    q = np.abs(offset) - np.array(size)
     return np.linalg.norm(q.clip(min=0), axis=-1) + q.max(axis=-1).clip(max=0)
 
 
@@ -45,7 +54,7 @@ def points_of(shape_id: str) -> tuple[np.ndarray, np.ndarray]:
     return points, distance(shape_id, points) < 0
 
 
-def voxels_of(shape_id: str, resolution: int = 32) -> np.ndarray:
+def voxels_of(shape_id: str, resolution: int) -> np.ndarray:
     clamped = distance(shape_id, cell_centres(resolution)).clip(-CLAMP, CLAMP)
     return clamped.astype(np.float16).astype(np.float32)
 
@@ -57,7 +66,13 @@ def points() -> Store:
 
 @pytest.fixture(scope="session")
 def voxels() -> Store:
-    return Store({shape_id: voxels_of(shape_id) for shape_id in SPLITS})
+    return Store({shape_id: voxels_of(shape_id, 32) for shape_id in SPLITS})
+
+
+@pytest.fixture(scope="session")
+def coarse_voxels() -> Store:
+    """Of 16 a side, for which no index stands: what suffices for a critic to grow."""
+    return Store({shape_id: voxels_of(shape_id, 16) for shape_id in SPLITS})
 
 
 @pytest.fixture(scope="session")
@@ -69,7 +84,7 @@ def indexes(tmp_path_factory) -> dict[str, Path]:
         {"points": positions.astype(np.float16), "occupancy": np.packbits(inside)}
         for positions, inside in map(points_of, SPLITS)
     )
-    distances = ({"distance": voxels_of(shape_id).astype(np.float16)} for shape_id in SPLITS)
+    distances = ({"distance": voxels_of(shape_id, 32).astype(np.float16)} for shape_id in SPLITS)
     catalogue = folder / "catalogue.csv"
     catalogue.write_text("\n".join(["id,split", *(",".join(row) for row in SPLITS.items())]))
     for options, shapes in ((points, occupancy), (voxels, distances)):
@@ -77,5 +92,4 @@ def indexes(tmp_path_factory) -> dict[str, Path]:
         attributes = {"sampling": options.model_dump(mode="json")}
         write_arrays(shard, list(SPLITS), shapes, attributes, "sampling")
         index_samplings([shard], catalogue, options, folder / f"{options.kind}.json")
-    kinds = {"occnet": "points", "shapegan-gan": "voxels", "shapegan-vae": "voxels"}
-    return {kind: folder / f"{name}.json" for kind, name in kinds.items()}
+    return {"occnet": folder / "points.json", "shapegan-vae": folder / "voxels.json"}

