@@ -9,7 +9,8 @@ import pytest
 from made_up import CONFIG, EVIL
 
 from tetgan.errors import UserError
-from tetgan.report.page import write_report
+from tetgan.report import figures, solids
+from tetgan.report.page import MOST_BYTES, write_report
 
 VOID = {"meta", "link", "img", "input", "br", "hr"}
 
@@ -129,6 +130,11 @@ def test_the_same_results_give_the_same_page(page, results, captions, tmp_path):
     again = tmp_path / "again.html"
     write_report(results, again, config=CONFIG, captions=captions)
     assert again.read_bytes() == page.read_bytes()
+
+
+def test_full_budgets_leave_a_page_of_moderate_size(page):
+    in_base64 = 4 / 3
+    assert in_base64 * figures.BUDGET + solids.BUDGET + page.stat().st_size < MOST_BYTES
 
 
 def test_an_evil_id_of_a_solid_stays_data(results, ball, captions, tmp_path):

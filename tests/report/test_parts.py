@@ -96,8 +96,8 @@ def test_pictures_within_the_budget_are_left_alone():
 
 def test_the_largest_pictures_are_reduced_to_the_budget():
     small, large, other = Path("small"), Path("large"), Path("other")
-    pictures = {small: noise(40, 40), large: noise(1500, 800), other: noise(1400, 900, seed=1)}
-    budget = 1_500_000
+    pictures = {small: noise(40, 40), large: noise(900, 300), other: noise(800, 400, seed=1)}
+    budget = 350_000
     fitted = fit_pictures(pictures, budget)
     assert fitted[small] is pictures[small]
     assert sum(map(len, fitted.values())) <= budget

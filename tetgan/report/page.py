@@ -24,6 +24,9 @@ from tetgan.report.tables import read_tables
 
 _TEMPLATE = files("tetgan.report") / "template"
 
+MOST_BYTES = 15_000_000
+"""A larger page is written too, with a warning."""
+
 log = logging.getLogger(__name__)
 
 
@@ -62,9 +65,11 @@ def write_report(
         provenance=_provenance(results, config),
         config=yaml.safe_dump(dict(config), sort_keys=False, allow_unicode=True, width=100) if config else "",
     )
+    content = page.encode()
     with whole_file(out) as partial:
-        partial.write_text(page, encoding="utf-8")
-    log.info("%s: %d tables, %d figures, %.1f MB", out, len(tables), len(figures), len(page.encode()) / 1e6)
+        partial.write_bytes(content)
+    level = logging.WARNING if len(content) > MOST_BYTES else logging.INFO
+    log.log(level, "%s: %d tables, %d figures, %.1f MB", out, len(tables), len(figures), len(content) / 1e6)
 
 
 def render_page(**content: Any) -> str:
