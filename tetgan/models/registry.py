@@ -25,6 +25,7 @@ from tetgan.models.options import (
     ModelOptions,
     OccNetOptions,
     PcaOptions,
+    RepresentationOptions,
     ShapeGanOptions,
     TetganOptions,
 )
@@ -51,6 +52,7 @@ def build_generator(
         return DeftetGenerator(options, hierarchy, TetganGenerator(of, hierarchy))
     if isinstance(options, PcaOptions):
         return PcaGenerator(options, hierarchy)
+    assert isinstance(options, RepresentationOptions)
     return RepresentationGenerator(options, hierarchy)
 
 

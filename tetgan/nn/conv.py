@@ -191,7 +191,7 @@ class TetConv(nn.Module):
         self.neighbors = neighbors
 
     def forward(self, x: Float[Tensor, "T B C"]) -> Float[Tensor, "T B D"]:
-        weight = self.weight
+        weight: Tensor = self.weight
         if not self.neighbors.ordered:
             weight = torch.cat([weight[:1], weight[1:].expand(SLOTS - 1, -1, -1)])
         return tet_conv(x, weight, self.bias, self.neighbors)

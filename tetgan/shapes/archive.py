@@ -67,7 +67,8 @@ def read_mesh(path: Path, shape_id: str) -> Soup:
 
 def pick_meshes(paths: Sequence[Path], ids: Iterable[str]) -> dict[str, Soup]:
     """Some meshes of several shards, by id; an id that none of them holds is left out."""
-    wanted, found = set(ids), {}
+    wanted = set(ids)
+    found: dict[str, Soup] = {}
     for path in paths:
         with _open(path) as archive:
             held = {name.rpartition("/")[0] for name in archive.namelist()}
