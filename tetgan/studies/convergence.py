@@ -1,6 +1,6 @@
 """From errors at several resolutions to the resolution that an error takes."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -57,7 +57,7 @@ def summarise(curves: pd.DataFrame, reference_cells: int) -> pd.DataFrame:
         convergence; `target`, the error to reach; `finest` resolution measured and the `finest_error` there.
     """
     deformed = curves[curves["representation"] == DEFORMED].set_index("cells")
-    reference = deformed.loc[reference_cells]
+    reference: dict[Any, Any] = deformed.loc[reference_cells].to_dict()
     rows = []
     for name, curve in curves.groupby("representation", sort=False):
         resolutions, errors = curve["resolution"].to_numpy(), curve["error"].to_numpy()

@@ -88,7 +88,7 @@ def measure_curves(torus: Torus, options: ResolutionOptions) -> pd.DataFrame:
         )
         _log.info("%s at %.1f^3: %.2e", name, rows[-1]["resolution"], error.symmetric)
     place = {name: number for number, name in enumerate(NUMBERS)}
-    rows.sort(key=lambda row: (place[row["representation"]], row["resolution"]))
+    rows.sort(key=lambda row: (place[str(row["representation"])], row["resolution"]))
     return pd.DataFrame(rows).astype({"cells": "Int64"})
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -46,7 +47,7 @@ def draw_report(
 ) -> None:
     """Pictures of the shapes, by title, above the error of each representation at every resolution."""
     figure = Figure(figsize=(13, 8), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=[1, 1.5])
+    upper, lower = np.ravel(figure.subfigures(2, 1, height_ratios=[1, 1.5]))
     for axes, (title, surface) in zip(upper.subplots(1, len(pictures)), pictures.items(), strict=True):
         axes.imshow(render_mesh(*surface, size=(_PIXELS, _PIXELS), span=1.0, elevation=25))
         axes.set_title(title.replace(", ", "\n"), fontsize=10)
@@ -58,14 +59,15 @@ def draw_report(
 def _draw_curves(axes: Axes, curves: pd.DataFrame, summary: pd.DataFrame) -> None:
     target = summary["target"].iloc[0]
     axes.axhline(target, color="#999999", linewidth=1, linestyle=":")
-    for row in summary.itertuples():
-        color, curve = _COLORS[row.representation], curves[curves["representation"] == row.representation]
-        label = f"{row.representation}: needs {row.needed}³, order {row.order:.1f}"
+    for row in summary.to_dict("records"):
+        name, needed = row["representation"], row["needed"]
+        color, curve = _COLORS[name], curves[curves["representation"] == name]
+        label = f"{name}: needs {needed}³, order {row['order']:.1f}"
         axes.loglog(curve["resolution"], curve["error"], "o-", color=color, label=label, markersize=4)
-        if not row.needed.startswith((">", "<")):
-            axes.plot(float(row.needed), target, "o", color=color, markersize=10, fillstyle="none")
-        if not pd.isna(row.needed_paper):
-            axes.plot(row.needed_paper, target, "x", color=color, markersize=9)
+        if not needed.startswith((">", "<")):
+            axes.plot(float(needed), target, "o", color=color, markersize=10, fillstyle="none")
+        if not pd.isna(row["needed_paper"]):
+            axes.plot(row["needed_paper"], target, "x", color=color, markersize=9)
     axes.plot([], [], "x", color="black", label="the paper's resolutions: 41³, 161³, 301³")
     axes.set_xlabel("resolution: cube root of the number of tets or voxels")
     axes.set_ylabel("symmetric mean distance to the torus, cube sides")
@@ -85,7 +87,7 @@ def _times_deformed(resolutions: pd.Series) -> pd.Series:
 
 def _introduction(summary: pd.DataFrame, options: ResolutionOptions) -> str:
     torus, target = options.torus, summary["target"].iloc[0]
-    reference = summary.set_index("representation").loc[DEFORMED, "needed"]
+    reference = str(summary.set_index("representation").loc[DEFORMED, "needed"])
     return (
         f"The resolution that each representation of one torus needs to reach the error {target:.2e} of "
         f"{reference}³ deformed tets (lattice of {options.reference_cells} cells, depth {options.depth}). "

@@ -20,7 +20,7 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.sections import RealFeatures, Section, draw_real
 from tetgan.evaluation.seeds import named_seed
 from tetgan.evaluation.surfaces import Surface, draw_sample
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, VertexField
 from tetgan.fields.store import FieldStore
 from tetgan.fields.vertices import vertex_operator
 from tetgan.files import whole_folder
@@ -101,7 +101,11 @@ class _Subject(NamedTuple):
         generator = load_generator(model, store.hierarchy)
         return cls(generator, store, vertex_operator(store.hierarchy.finest), meshing)
 
-    def variants(self, field: Field) -> Mapping[Variant, SolidMesh]:
+    def variants(self, field: Field | VertexField) -> Mapping[Variant, SolidMesh]:
+        if not isinstance(field, Field):
+            raise UserError(
+                "studies.smoothing.models: a model without displacements of tets cannot be smoothed"
+            )
         return build_variants(field, self.store.hierarchy.finest, self.operator, self.store.mu, self.meshing)
 
     def generated(self, count: int, seed: int) -> Iterator[Mapping[Variant, SolidMesh]]:
@@ -149,7 +153,8 @@ def _measure_features(
     options = evaluation.model_copy(update={"samples": max(2, most)})
     real = draw_real(holdout, "holdout", classifier, options)
     clouds = _draw_clouds(subject, real.points, options)
-    estimates, notes = {}, {}
+    estimates: dict[str, Any] = {}
+    notes: dict[str, Any] = {}
     for variant, found in clouds.items():
         section = Section(options)
         section.add_feature_distances(_features(found, variant, classifier, real, options), len(found), real)

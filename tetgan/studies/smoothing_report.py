@@ -73,7 +73,7 @@ def _difference(finding: Finding) -> str:
 
 
 def _figures(rows: pd.DataFrame) -> str:
-    shown = {"Surface": [_row_name(row.displaced, row.smoothing) for row in rows.itertuples()]}
+    shown = {"Surface": [_row_name(*row) for row in zip(rows["displaced"], rows["smoothing"], strict=True)]}
     for figure, title in _TITLES.items():
         shown[title] = ["—" if pd.isna(value) else f"{value:.3g}" for value in rows[figure]]
     return pd.DataFrame(shown).to_markdown(index=False, disable_numparse=True)

@@ -32,6 +32,7 @@ class PointEncoder(nn.Module):
         """Mean and log variance."""
         x = self.first((self.position(points) + self.occupancy(occupancy[..., None])).relu())
         for layer in self.pooled:
+            assert isinstance(layer, nn.Linear)
             x = joint_linear(layer, x.relu(), x.amax(dim=1).relu())
         features = x.amax(dim=1)
         return self.mean(features), 2 * self.log_deviation(features)
