@@ -47,7 +47,7 @@ def draw_report(
 ) -> None:
     """Pictures of the shapes, by title, above the error of each representation at every resolution."""
     figure = Figure(figsize=(13, 8), layout="constrained")
-    upper, lower = np.ravel(figure.subfigures(2, 1, height_ratios=[1, 1.5]))
+    upper, lower = np.asarray(figure.subfigures(2, 1, height_ratios=[1, 1.5]), dtype=object)
     for axes, (title, surface) in zip(upper.subplots(1, len(pictures)), pictures.items(), strict=True):
         axes.imshow(render_mesh(*surface, size=(_PIXELS, _PIXELS), span=1.0, elevation=25))
         axes.set_title(title.replace(", ", "\n"), fontsize=10)

@@ -104,7 +104,7 @@ class _Subject(NamedTuple):
     def variants(self, field: Field | VertexField) -> Mapping[Variant, SolidMesh]:
         if not isinstance(field, Field):
             raise UserError(
-                "studies.smoothing.models: a model without displacements of tets cannot be smoothed"
+                "studies.smoothing.models: a model that moves vertices by itself cannot be studied"
             )
         return build_variants(field, self.store.hierarchy.finest, self.operator, self.store.mu, self.meshing)
 
