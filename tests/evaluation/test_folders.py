@@ -8,9 +8,11 @@ import pytest
 import trimesh
 
 from tetgan.errors import UserError
+from tetgan.evaluation.folder_report import MEANINGS
 from tetgan.evaluation.folders import evaluate_folders
 from tetgan.evaluation.meshfolder import MeshFolder
 from tetgan.evaluation.options import BootstrapOptions, EvaluationOptions, SetOptions, VarietyOptions
+from tetgan.evaluation.tables import METRICS
 
 OPTIONS = EvaluationOptions(
     points=600,
@@ -175,6 +177,10 @@ def test_frames_that_differ_are_noticed_and_can_be_fitted(measure, slabs, tmp_pa
     assert "centred in the unit cube, the longest side 1" in text
     assert values(fitted["found"])["mmd"] < 0.05
     assert values(stored["found"])["mmd"] > 100
+
+
+def test_every_metric_of_surfaces_has_a_meaning():
+    assert set(METRICS) - set(MEANINGS) == {"iou", "inverted_tets"}  # those need a field and tets
 
 
 def test_a_mesh_split_into_triangles_keeps_its_edges(tmp_path):

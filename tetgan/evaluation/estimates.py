@@ -112,7 +112,9 @@ def _kid_estimate(
     rng = named_rng(options.seed, "bootstrap", "kid")
     ends = kid_interval(found, real, bootstrap.resamples, bootstrap.level, rng)
     distance = kid(found, real, kernel.block, kernel.blocks, named_rng(options.seed, "blocks"))
-    return Estimate(distance.value, *ends, n=len(found), std=distance.std)
+    # Blocks of everything are all one block: their deviation of 0 says nothing.
+    std = distance.std if kernel.block < len(found) else nan
+    return Estimate(distance.value, *ends, n=len(found), std=std)
 
 
 def _fid_infinity_estimate(

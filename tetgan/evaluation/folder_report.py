@@ -8,17 +8,13 @@ import pandas as pd
 from tetgan.evaluation.estimates import FEATURE_METRICS, SET_METRICS
 from tetgan.evaluation.markdown import round_value
 from tetgan.evaluation.readable import TITLES, drawn, extractor_line, set_conventions
-from tetgan.evaluation.tables import METRICS
 
-_MEANINGS = {
+MEANINGS = {
     "chamfer": "reconstructions: mean squared distance to the nearest point, each way, summed",
     "chamfer_l1": "the same, distances not squared, mean of both ways",
     "fscore": "harmonic mean of the shares of points within the threshold of the other surface",
     "normal_consistency": "mean cosine between normals of nearest points",
     "volume_iou": "volume inside both over volume inside either",
-    "faces": "mean triangles of a mesh",
-    "manifold_edges": "share of edges with exactly two faces",
-    "variety": "mean Chamfer distance of the closest of random pairs",
     "fid": "Fréchet distance of Gaussians fitted to features",
     "fid_infinity": "the same, extrapolated to infinitely many shapes",
     "kid": "kernel distance of features, unbiased; can be negative",
@@ -28,8 +24,13 @@ _MEANINGS = {
     "cov": "share of the reference that is the nearest of some sample",
     "nna": "how well nearest neighbours tell samples from reference: ½ is best, below it samples are copies",
     "jsd": "divergence, in bits, of where the surfaces are",
+    "variety": "mean Chamfer distance of the closest of random pairs of samples",
     "novelty": "mean Chamfer distance from a sample to the nearest training shape",
+    "faces": "mean triangles of a mesh",
+    "manifold_edges": "share of edges with exactly two faces",
 }
+"""What each figure is, in the order of the report."""
+
 _FEW = 100
 _MOST_PROBLEMS = 50
 
@@ -59,9 +60,9 @@ def _figures(report: Mapping[str, Any]) -> str:
             "N": _number(found.get(metric)),
             "Floor": _cell(floor.get(metric)),
             "N of the floor": _number(floor.get(metric)),
-            "What it is": _MEANINGS[metric],
+            "What it is": MEANINGS[metric],
         }
-        for metric in METRICS
+        for metric in MEANINGS
         if any(side.get(metric, {}).get("value") is not None for side in (found, floor))
     ]
     return pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
