@@ -101,7 +101,8 @@ def _notes(studies: Sequence[Study]) -> str:
         "Bend: angle between the outward normals of two faces that share an edge, weighted by the edge's "
         f"length; sharp edge: share that bends by more than {crease:g}°; distance: Wasserstein-1 in degrees "
         "to the repaired mesh's distribution. That mesh is triangulated more finely, so its bends are "
-        "smaller where it is curved; variants share one triangulation and can be compared with each other.",
+        "smaller where it is curved; variants share one triangulation and can be compared with each other. "
+        "Bends far above 90° are folds of parts one tet thick, no features.",
         f"Crease distance: from points on the repaired mesh's sharp edges (over {crease:g}°) to the surface, "
         "mean, cube sides. Noise makes an edge bend more, but only a kept feature makes this small.",
         *dict.fromkeys(note for study in studies for note in study.report["notes"]),

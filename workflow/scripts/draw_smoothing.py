@@ -13,6 +13,7 @@ from tetgan.studies.smoothing_files import EXAMPLE, REPAIRED
 
 CELL = 300
 ENLARGED = 3
+FRAME = 6  # pixels of white around an enlarged window
 # Corner of the enlarged window in the enlarged picture, in cells: about where a seat meets its back and legs.
 WINDOW = (0.9, 1.2)
 NAMES = {"none": "", "wls": "wLS", "uniform": "plain", "cotangent": "cotangent"}
@@ -26,7 +27,8 @@ def enlarged(vertices, faces):
     side = ENLARGED * CELL
     picture = render_mesh(vertices, faces, size=(side, side), span=1.3)
     top, left = (round(CELL * place) for place in WINDOW)
-    return np.ascontiguousarray(picture[top : top + CELL, left : left + CELL])
+    window = picture[top : top + CELL - 2 * FRAME, left : left + CELL - 2 * FRAME]
+    return np.pad(window, ((FRAME, FRAME), (FRAME, FRAME), (0, 0)), constant_values=255)
 
 
 def columns():
