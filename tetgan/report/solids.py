@@ -79,18 +79,20 @@ def pack_sets(sets: Sequence[SampleSet], budget: int = BUDGET) -> list[dict[str,
     """The sets as plain values for the page's viewer.
 
     Solids are taken in turn from each set until the budget is spent, so that every set has one before any
-    has two. A set that got none is left out, with a warning.
+    has two. What does not fit is left out, with a warning.
     """
     packed: list[list[dict[str, Any]]] = [[] for _ in sets]
-    left = budget
+    left, missed = budget, 0
     for number, path in _in_turn(sets):
         solid = {"id": path.stem, **pack_solid(*_read_solid(path))}
         size = sum(len(value) for value in solid.values() if isinstance(value, str))
         if size > left:
-            log.warning("%s: left out of the page, which would grow too large", path)
-            continue
-        left -= size
-        packed[number].append(solid)
+            missed += 1
+        else:
+            left -= size
+            packed[number].append(solid)
+    if missed:
+        log.warning("%d solids left out, or the page would grow too large", missed)
     return [
         {
             "category": one.category,

@@ -1,0 +1,19 @@
+"""The page of the smoke run."""
+
+import pytest
+from smoke_project import planned
+
+pytestmark = pytest.mark.xdist_group("workflow")
+PAGE = "results/smoke/report.html"
+
+
+def test_the_smoke_run_makes_a_page_with_its_table_figure_and_solids(smoked):
+    project, _, _ = smoked
+    result = project.smoke(PAGE)
+    assert result.returncode == 0, result.stdout + result.stderr
+    page = (project.folder / PAGE).read_text()
+    for text in ("<h3>chair</h3>", "chair: samples", "tetgan-LR", "train_model", "run: smoke"):
+        assert text in page
+    assert '"model": "tetgan-HR"' in page
+    assert len(page) < 15_000_000
+    assert planned(project.smoke("-n", PAGE)) == {}
