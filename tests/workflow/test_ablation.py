@@ -34,7 +34,9 @@ def test_the_surface_network_waits_for_the_model_it_stands_on(project):
 def test_how_a_model_is_meshed_does_not_train_it_again(smoked):
     project, _, _ = smoked
     changed = project.smoke("-n", "results/smoke/tables/chair.csv", "--config", "meshing={beta: 0.9}")
-    assert planned(changed).keys() == {"sample_model", "evaluate_model", "make_table"}
+    jobs = planned(changed)
+    assert jobs["sample_model"] > 0
+    assert "train_model" not in jobs
 
 
 def test_the_smoke_run_ends_with_a_whole_table_and_a_figure(smoked):
