@@ -7,6 +7,7 @@ import pytest
 import torch
 
 from tetgan.errors import UserError
+from tetgan.models.measures import occupancy_iou
 from tetgan.models.options import OccNetOptions, ShapeGanOptions, ShapeGanVaeOptions
 from tetgan.training.baselines.occnet import OccNetLearner, bound
 from tetgan.training.baselines.options import OccNetTraining, ShapeGanTraining, ShapeGanVaeTraining
@@ -46,7 +47,7 @@ def test_occnet_overfits_four_shapes(points):
     subject = occnet(points, learning_rate=2e-3)
     subject.held_out = subject.data
     for step in range(1, 501):
-        data = subject.data.random(ALL, 256, step_draws(0, step), subject.device)
+        data = subject.data.random(ALL, 192, step_draws(0, step), subject.device)
         mean, log_variance = subject.generator.posterior(data)
         loss, _ = bound(subject.generator.value(mean, data[..., :3]), data[..., 3], mean, log_variance)
         subject.optimizer.zero_grad()
@@ -67,26 +68,27 @@ def test_occnet_s_steps_lower_its_bound_on_the_same_draws(points):
 
 def test_shapegan_s_autoencoder_reconstructs_spheres(voxels):
     spheres = voxels._replace(shapes={name: voxels.shapes[name] for name in ("ball-0", "ball-1")})
+    data = torch.from_numpy(np.stack(list(spheres.shapes.values())))
     subject = vae(spheres, learning_rate=2e-3)
-    subject.held_out = subject.data
-    for step in range(1, 201):
-        subject.take_step(torch.arange(2), step, 0.0, step_draws(0, step))
-        if step % 20 == 0 and subject.validate()["validation_iou"] >= 0.9:
-            decoded = subject.generator.voxels(subject.generator.encode(voxel_batch(spheres)))
-            inside = (decoded < 0).flatten(1).float().mean(dim=1)
-            # 4/3 π r³ of a ball of radius 0.45 and 0.3, within what an IoU of 0.9 leaves
-            np.testing.assert_allclose(inside.detach(), [0.3817, 0.1131], rtol=0.11)
+    for step in range(1, 121):
+        subject.take_step(torch.arange(2).repeat(3), step, 0.0, step_draws(0, step))
+        if step % 20 == 0 and (iou := reconstruction_iou(subject, data)) >= 0.9:
             return
-    pytest.fail(f"{subject.validate()} after {step} steps")
+    pytest.fail(f"IoU {iou:.3f} after {step} steps")
 
 
-def voxel_batch(store) -> torch.Tensor:
-    return torch.from_numpy(np.stack(list(store.shapes.values())))
+def reconstruction_iou(subject: ShapeGanVaeLearner, data: torch.Tensor) -> float:
+    """In cube sides, as the pipeline asks for it."""
+    subject.generator.eval()
+    with torch.no_grad():
+        decoded = subject.generator.voxels(subject.generator.encode(data))
+    return float(occupancy_iou(*((part < 0).flatten(1).numpy() for part in (decoded, data))).mean())
 
 
 def test_the_weighted_difference_by_hand():
-    decoded, true = torch.zeros(1, 1, 1, 2), torch.tensor([[[[0.5, -0.25]]]])
-    assert weighted_difference(decoded, true, 32.0).item() == (0.5 + 32 * 0.25) / 2
+    decoded, true = torch.zeros(1, 2, 2, 2), torch.full((1, 2, 2, 2), 0.5)
+    true[0, 0, 0, 0] = -0.25
+    assert weighted_difference(decoded, true, 32.0).item() == (7 * 0.5 + 32 * 0.25) / 8
 
 
 def test_the_penalty_of_a_linear_critic_of_voxels():
