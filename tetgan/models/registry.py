@@ -23,6 +23,7 @@ from tetgan.models.options import (
     ModelOptions,
     OccNetOptions,
     PcaOptions,
+    RepresentationOptions,
     ShapeGanOptions,
     TetganOptions,
 )
@@ -41,6 +42,7 @@ def build_generator(
         return TetganGenerator(options, hierarchy)
     if isinstance(options, PcaOptions):
         return PcaGenerator(options, hierarchy)
+    assert isinstance(options, RepresentationOptions), "no model of fields"
     return RepresentationGenerator(options, hierarchy)
 
 
