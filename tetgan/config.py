@@ -143,6 +143,7 @@ class Config(Options):
         options, training = self.models[model], self.training_of(model)
         if isinstance(options, ImplicitOptions):
             return _sizes_of_baseline(options, self.samplings[options.sampling], training.model_dump())
+        assert not isinstance(options, SimplifiedOptions)  # nothing of its own but faces
         sizes = {"depth": self.grids[options.grid].depth}
         if isinstance(options, TetganOptions):
             assert isinstance(training, TrainingOptions)

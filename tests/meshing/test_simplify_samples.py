@@ -9,6 +9,7 @@ import trimesh
 
 from tetgan.errors import UserError
 from tetgan.meshing.export import write_surface
+from tetgan.meshing.marching import voxel_surface
 from tetgan.meshing.quality import surface_record
 from tetgan.meshing.simplify import simplify_samples
 from tetgan.shapes.isolation import SimplifyWorker
@@ -75,6 +76,15 @@ def test_the_same_mesh_gives_the_same_faces():
     np.testing.assert_array_equal(one.vertices, other.vertices)
     np.testing.assert_array_equal(one.faces, other.faces)
     assert surface_record(one)["manifold_edges"] == 1
+
+
+def test_flat_walls_stay_closed():
+    wall = voxel_surface(np.full((16, 16, 16), -0.1, dtype=np.float32))
+    with SimplifyWorker(SimplifyOptions(faces=300)) as worker:
+        simplified = worker.simplify(wall)
+    assert len(simplified.faces) <= 300
+    assert surface_record(simplified)["manifold_edges"] == 1
+    assert surface_record(simplified)["volume"] == pytest.approx(surface_record(wall)["volume"], rel=1e-3)
 
 
 def test_no_samples_is_one_line(tmp_path):

@@ -55,7 +55,9 @@ def quadric_collapse(
 ) -> Arrays:
     """Edges collapsed where that moves the surface least (Garland & Heckbert 1997), topology kept.
 
-    A closed surface stays closed. A mesh with few enough faces comes back as it is.
+    A closed surface stays closed: no cleaning, for that joins vertices that have come to lie in one place,
+    and a constraint on flat parts, where many of them would. A mesh with few enough faces comes back as it
+    is.
     """
     if len(faces) <= options.faces:
         return vertices, faces
@@ -63,7 +65,9 @@ def quadric_collapse(
 
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
-    meshes.meshing_decimation_quadric_edge_collapse(targetfacenum=options.faces, preservetopology=True)
+    meshes.meshing_decimation_quadric_edge_collapse(
+        targetfacenum=options.faces, preservetopology=True, planarquadric=True, autoclean=False
+    )
     simplified = meshes.current_mesh()
     return simplified.vertex_matrix(), simplified.face_matrix()
 
