@@ -52,7 +52,7 @@ def build_generator(
         return DeftetGenerator(options, hierarchy, TetganGenerator(of, hierarchy))
     if isinstance(options, PcaOptions):
         return PcaGenerator(options, hierarchy)
-    assert isinstance(options, RepresentationOptions)
+    assert isinstance(options, RepresentationOptions), "no model of fields"
     return RepresentationGenerator(options, hierarchy)
 
 

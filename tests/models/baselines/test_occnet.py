@@ -62,6 +62,12 @@ def test_a_code_does_not_depend_on_the_order_of_the_points(model):
     torch.testing.assert_close(model.encode(data), model.encode(data.flip(1)))
 
 
+def test_only_as_many_points_are_encoded_as_in_training(model):
+    data = torch.rand(2, 9, 4)
+    model.encoded.fill_(6)
+    torch.testing.assert_close(model.encode(data), model.posterior(data[:, :6])[0])
+
+
 def test_values_are_of_each_point_by_itself(model):
     latent, points = torch.randn(2, 128), torch.rand(2, 6, 3)
     values = model.value(latent, points)

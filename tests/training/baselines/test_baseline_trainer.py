@@ -129,6 +129,10 @@ def test_a_trained_model_is_loaded_without_a_grid(in_one_go, kind):
     assert record["diverged_in_epoch"] is None
 
 
+def test_a_trained_occnet_knows_how_many_points_it_encodes(in_one_go):
+    assert load_surface_model(in_one_go / "occnet").encoded == BRIEF["occnet"]["points"]
+
+
 def test_a_model_of_the_wrong_sort_is_named(in_one_go):
     with pytest.raises(UserError, match="occnet, which has no fields"):
         load_generator(in_one_go / "occnet", build_hierarchy(1, 0))

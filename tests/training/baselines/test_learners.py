@@ -44,10 +44,12 @@ def test_occnet_s_bound_by_hand():
 
 def test_occnet_overfits_four_shapes(points):
     # Without the noise of the posterior and its price: these take far longer to find a balance.
-    subject = occnet(points, learning_rate=2e-3)
-    subject.held_out = subject.data
-    for step in range(1, 501):
-        data = subject.data.random(ALL, 192, step_draws(0, step), subject.device)
+    subject = occnet(points, learning_rate=2e-3, points=256)
+    subject.held_out, subject.generator.threshold = subject.data, 0.5
+    for step in range(1, 401):
+        if step == 200:
+            subject.optimizer.param_groups[0]["lr"] = 5e-4
+        data = subject.data.random(ALL, 256, step_draws(0, step), subject.device)
         mean, log_variance = subject.generator.posterior(data)
         loss, _ = bound(subject.generator.value(mean, data[..., :3]), data[..., 3], mean, log_variance)
         subject.optimizer.zero_grad()

@@ -4,7 +4,9 @@ The architecture is the one of its public code for unconditional generation (doc
 """
 
 import math
+from collections.abc import Sequence
 
+import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
@@ -14,6 +16,7 @@ from tetgan.models.options import OccNetOptions
 
 WIDTH = 128
 BLOCKS = 5
+ENCODED = 2048
 
 
 class PointEncoder(nn.Module):
@@ -23,7 +26,9 @@ class PointEncoder(nn.Module):
         super().__init__()
         self.position, self.occupancy = nn.Linear(3, WIDTH), nn.Linear(1, WIDTH)
         self.first = nn.Linear(WIDTH, WIDTH)
-        self.pooled = nn.ModuleList(nn.Linear(2 * WIDTH, WIDTH) for _ in range(2))
+        self.pooled: Sequence[nn.Linear] = nn.ModuleList(  # type: ignore[assignment]
+            nn.Linear(2 * WIDTH, WIDTH) for _ in range(2)
+        )
         self.mean, self.log_deviation = nn.Linear(WIDTH, code), nn.Linear(WIDTH, code)
 
     def forward(
@@ -72,6 +77,7 @@ class OccNetGenerator(ImplicitGenerator):
         super().__init__()
         self.code, self.threshold = options.code, options.threshold
         self.encoder, self.decoder = PointEncoder(options.code), PointDecoder(options.code)
+        self.encoded = nn.Buffer(torch.tensor(ENCODED))  # points of each shape that training encodes
 
     @property
     def latent_shape(self) -> tuple[int, ...]:
@@ -90,5 +96,5 @@ class OccNetGenerator(ImplicitGenerator):
         return self.encoder(data[..., :3] - 0.5, data[..., 3])
 
     def encode(self, data: Float[Tensor, "B N 4"]) -> Float[Tensor, "B Z"]:
-        """Posterior mean; give as many points as in training, for the encoder takes maxima over them."""
-        return self.posterior(data)[0]
+        """Posterior mean; of the points as many as in training, for the encoder takes maxima over them."""
+        return self.posterior(data[:, : int(self.encoded)])[0]

@@ -31,6 +31,7 @@ class OccNetLearner:
         self.data, self.held_out = PointData(store, "train"), PointData(store, "validation")
         with seeded(seed):
             self.generator = OccNetGenerator(options).to(self.device)
+        self.generator.encoded.fill_(training.points)
         self.optimizer = torch.optim.Adam(self.generator.parameters(), training.learning_rate)
 
     @property

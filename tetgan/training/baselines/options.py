@@ -13,6 +13,7 @@ from tetgan.options import Options
 class BaselineTraining(Options):
     """What all of them have."""
 
+    batch_size: int = Field(ge=1, description="shapes a step")
     device: Literal["auto", "cpu", "cuda"] = Field(
         "auto", description="where to train; auto: CUDA if present"
     )
