@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from itertools import product
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import igl
 import numpy as np
@@ -40,8 +40,9 @@ def voxel_surfaces(signed_distance: Distance, resolution: int) -> VoxelSurfaces:
         signed_distance: negative inside, never longer than the true distance. Nothing may be inside at the
             wall of the cube or beyond it.
     """
-    blocky: list[Any] = []
-    binary, distance = [], []
+    blocky: list[Triangles] = []
+    binary: list[Triangles] = []
+    distance: list[Triangles] = []
     for places in _blocks(signed_distance, resolution):
         distances = signed_distance(places.reshape(-1, 3))
         inside = distances < 0
