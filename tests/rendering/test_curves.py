@@ -24,7 +24,7 @@ LOGS = pd.concat(
 
 def test_a_panel_a_measure_and_a_line_a_run_against_minutes():
     panels = {axes.get_title(loc="left"): axes for axes in draw_curves(LOGS).axes}
-    assert list(panels) == ["Validation IoU", "Occupancy loss, training", "sdf loss"]
+    assert list(panels) == ["Validation IoU", "Occupancy loss, training", "Sdf loss"]
     lines = panels["Occupancy loss, training"].get_lines()
     assert [line.get_ydata()[0] for line in lines] == [1.0, 0.9, 0.8]
     assert list(lines[0].get_xdata()) == [1.0, 2.0, 3.0]

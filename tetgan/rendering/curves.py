@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -19,14 +18,16 @@ _PANELS = {
     "occupancy_loss": "Occupancy loss, training",
     "displacement_loss": "Displacement loss, training",
     "kl": "KL divergence, training",
+    "reconstruction_loss": "Reconstruction loss, training",
     "local_gap": "Gap of the local critic",
     "global_gap": "Gap of the global critic",
+    "gap": "Gap of the critic",
 }
 _NEVER = {
-    *("model", "seed", "epoch", "seconds", "learning_rate", "kl_weight"),
-    *("local_penalty", "global_penalty", "adversarial_loss"),
+    *("model", "seed", "epoch", "seconds", "learning_rate", "kl_weight", "resolution", "fade"),
+    *("local_penalty", "global_penalty", "penalty", "adversarial_loss"),
 }
-_LINEAR = {"validation_iou", "local_gap", "global_gap", "kl"}
+_WIDE = 3.0  # largest over smallest value of a loss from which its scale is logarithmic
 _COLUMNS = 3
 _HEIGHT = 1.75  # inches a row of panels
 _LEGEND_LINE = 0.19  # inches
@@ -68,9 +69,9 @@ def _draw_measure(axes: Axes, logs: pd.DataFrame, measure: str, names: Sequence[
         run = rows[["seconds", measure]].dropna()
         if len(run):
             axes.plot(run["seconds"] / 60, run[measure], **looks[str(model)], marker=_marker(len(run)))
-    axes.set_title(_PANELS.get(measure, measure.replace("_", " ")))
+    axes.set_title(_PANELS.get(measure, measure.replace("_", " ").capitalize()))
     values = logs[measure].dropna().to_numpy(dtype=float)
-    if measure not in _LINEAR and len(values) and np.nanmin(values) > 0:
+    if "loss" in measure and len(values) and 0 < _WIDE * values.min() < values.max():
         axes.set_yscale("log")
         axes.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")

@@ -76,7 +76,7 @@ def draw_rows(
         row_titles=[row.title for row in rows],
         column_titles=column_titles,
         column_inks=column_inks,
-        ruled_rows=[number for number, row in enumerate(rows) if row.ruled],
+        ruled_rows=[number for number, row in enumerate(rows) if row.ruled and (number or column_titles)],
     )
 
 
