@@ -140,7 +140,7 @@ def test_changes_tell_what_an_ablation_differs_in():
     assert told["occupancy-only"] == "displacement no (full: yes)"
     assert told["no-local"].startswith("local_weight 0.0 (full: ")
     assert told["official-weights"].split("; ")[1].startswith("global_weight -0.01")
-    assert told["surface-gcn"].startswith("kind deftet (full: tetgan); of tetgan-LR; ")
+    assert told["surface-gcn"] == "kind deftet; of tetgan-LR; width 64; blocks 3"
     assert all(told[name] for name in config.ablation[1:])
 
 

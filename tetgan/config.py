@@ -211,10 +211,13 @@ class Config(Options):
     def changes(self, model: str) -> str:
         """How a model of the ablation differs from the full one, in words; empty for that one."""
         full, own = (self._settings(name) for name in (self.ablation[0], model))
+        if own["kind"] != full["kind"]:  # nothing else compares
+            told = self.models[model].model_dump(exclude={"grid", "training", "meshing"})
+            return "; ".join(f"{key} {_in_words(value)}" for key, value in told.items())
         return "; ".join(
-            f"{key} {_in_words(value)}" + (f" (full: {_in_words(full[key])})" if key in full else "")
+            f"{key} {_in_words(value)} (full: {_in_words(full[key])})"
             for key, value in own.items()
-            if key not in full or full[key] != value
+            if full[key] != value
         )
 
     def _settings(self, model: str) -> dict[str, Any]:

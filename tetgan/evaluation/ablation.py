@@ -38,9 +38,10 @@ _SOLIDS = {
 }
 _MADE = {"changes": "Differs from the full model in", "train_minutes": "Training, min", "n": "Surfaces"}
 _ABOUT = (
-    "The full model first, then models that differ from it in what the last table says. In parentheses the "
-    "two figures that the paper published, FID without each critic. It names neither category nor smoothing, "
-    "and measured with another extractor: no claim of equal conditions."
+    "The full model first, then models that differ from it in what the last table says. The paper's figures "
+    "stand in parentheses: those of its Table 1 beside the full model, and the two that it published of its "
+    "ablations, FID without each critic, of which it names neither category nor smoothing. They were measured "
+    "on other shapes and with another extractor: no claim of equal conditions."
 )
 _SOLID_NOTE = (
     "Volume in cube volumes, thickness in cube sides (the median way straight through the solid); floating: "
