@@ -40,8 +40,8 @@ _MADE = {"changes": "Differs from the full model in", "train_minutes": "Training
 _ABOUT = (
     "The full model first, then models that differ from it in what the last table says. The paper's figures "
     "stand in parentheses: those of its Table 1 beside the full model, and the two that it published of its "
-    "ablations, FID without each critic, of which it names neither category nor smoothing. They were measured "
-    "on other shapes and with another extractor: no claim of equal conditions."
+    "ablations, FID without each critic, of which it names neither category nor smoothing. They were "
+    "measured on other shapes and with another extractor: no claim of equal conditions."
 )
 _SOLID_NOTE = (
     "Volume in cube volumes, thickness in cube sides (the median way straight through the solid); floating: "

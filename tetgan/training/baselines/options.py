@@ -21,7 +21,6 @@ class BaselineTraining(Options):
         10, ge=1, description="epochs between two validation rows of the log, where there is an encoder"
     )
     checkpoint_seconds: float = Field(120.0, ge=0, description="least time between two checkpoints")
-    batch_size: int
 
 
 class OccNetTraining(BaselineTraining):
