@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tetgan.meshing.marching import mise, voxel_surface
@@ -57,12 +57,17 @@ def test_a_surface_is_followed_out_of_the_cells_where_it_was_seen():
 
 
 @given(seed=st.integers(0, 2**32 - 1))
+@example(seed=4335)
 @settings(max_examples=10, deadline=None)
 def test_what_the_octree_finds_of_any_function_is_closed_and_part_of_the_dense_surface(seed):
     waves = Waves(seed)
     got, dense = mise(waves, 8, 2, 1.0), mise(waves, 32, 0, 1.0)
     assert surface_record(got)["manifold_edges"] == 1
-    found, all_of_it = ({tuple(row) for row in np.round(s.vertices, 6)} for s in (got, dense))
+    # Within the box: at the wall the octree closes over a dent too small to be seen.
+    found, all_of_it = (
+        {tuple(row) for row in np.round(s.vertices, 6) if np.abs(row - 0.5).max() <= 0.5}
+        for s in (got, dense)
+    )
     assert found <= all_of_it
 
 
