@@ -24,7 +24,7 @@ rule report_page:
     resources:
         mem_mb=1500,
     params:
-        results=RESULTS,
+        results=subpath(output.page, parent=True),
         captions=CAPTIONS,
         config=json.dumps(config),
         models=[f"--model {name}" for name in SHOWN_MODELS],
