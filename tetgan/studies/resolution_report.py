@@ -71,7 +71,8 @@ def _draw_curves(axes: Axes, curves: pd.DataFrame, summary: pd.DataFrame) -> Non
     axes.plot([], [], "x", color="black", label="the paper's resolutions: 41³, 161³, 301³")
     axes.set_xlabel("resolution: cube root of the number of tets or voxels")
     axes.set_ylabel("symmetric mean distance to the torus, cube sides")
-    ticks = [side for side in (4, 8, 16, 32, 64, 128, 256, 512) if side <= curves["resolution"].max()]
+    shown = curves["resolution"].min() / 1.3, curves["resolution"].max()
+    ticks = [side for side in (4, 8, 16, 32, 64, 128, 256, 512) if shown[0] <= side <= shown[1]]
     axes.set_xticks(ticks, [str(side) for side in ticks])
     axes.minorticks_off()
     axes.grid(alpha=0.3)
