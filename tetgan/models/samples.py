@@ -78,7 +78,8 @@ def _write_surfaces(
     kind = PointStore if isinstance(options, OccNetOptions) else VoxelStore
     store = kind.open(index)
     trained = load_surface_model(model)
-    extraction, ids = extraction_of(options, store), store.ids("validation")
+    extraction = extraction_of(options, store)
+    ids = store.ids("validation") if trained.has_encoder else []
     rows = []
     for name, shapes in (
         ("generated", _numbered(generate_surfaces(trained, extraction, count, seed), count)),
