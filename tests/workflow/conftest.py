@@ -10,6 +10,12 @@ def project(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
+def untouched(tmp_path_factory):
+    """Another copy, in which the smoke run has not been."""
+    return Project(tmp_path_factory.mktemp("untouched"))
+
+
+@pytest.fixture(scope="session")
 def smoked(project):
     """The project after a whole smoke run, with the default run's plan before and after it."""
     before = planned(project.snakemake("-n", "results/tables/chair.csv"))

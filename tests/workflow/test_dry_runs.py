@@ -18,9 +18,9 @@ def rule_names() -> set[str]:
 
 
 @pytest.mark.parametrize("name", CONFIGS)
-def test_a_config_plans_everything_it_holds(project, name):
+def test_a_config_plans_everything_it_holds(untouched, name):
     # ShapeNet and COSEG need not be there: what is missing shows when its repair runs.
-    jobs = planned(project.snakemake("-n", "paper", "--configfile", f"config/{name}"))
+    jobs = planned(untouched.snakemake("-n", "paper", "--configfile", f"config/{name}"))
     held = yaml.safe_load((ROOT / "config" / name).read_text()).get("categories", ["chair"])
     assert jobs["make_table"] == jobs["draw_samples"] == jobs["evaluate_real"] == len(held)
     assert jobs["gather_supplement"] == 3
@@ -33,11 +33,11 @@ def test_the_large_configs_hold_all_six_categories(name):
     assert set(config["categories"]) == {"chair", "sofa", "bench", "table", "car", "vase"}
 
 
-def test_a_source_that_is_not_there_is_named_in_one_line(project):
+def test_a_source_that_is_not_there_is_named_in_one_line(untouched):
     job = "results/paper/data/chair/1-of-64.zip"
-    result = project.snakemake(job, "--configfile", "config/paper.yaml")
+    result = untouched.snakemake(job, "--configfile", "config/paper.yaml")
     assert result.returncode != 0
-    log = project.folder / "results/paper/logs/repair_shapes/chair/1-of-64.log"
+    log = untouched.folder / "results/paper/logs/repair_shapes/chair/1-of-64.log"
     assert log.read_text().splitlines() == ["error: sources.chair.path: no folder ShapeNetCore.v2"]
 
 
@@ -56,9 +56,9 @@ def test_the_cluster_profile_gives_a_gpu_to_every_rule_that_trains():
 
 
 @pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.parent.name)
-def test_a_profile_plans_the_smoke_run(path, project, tmp_path):
+def test_a_profile_plans_the_smoke_run(path, untouched, tmp_path):
     # Without its executor, which is a plugin that need not be installed here.
     profile = {key: value for key, value in yaml.safe_load(path.read_text()).items() if key != "executor"}
     (tmp_path / "config.yaml").write_text(yaml.safe_dump(profile))
-    jobs = planned(project.smoke("-n", "paper", "--workflow-profile", str(tmp_path)))
+    jobs = planned(untouched.smoke("-n", "paper", "--workflow-profile", str(tmp_path)))
     assert jobs["train_extractor"] == 1
