@@ -199,7 +199,7 @@ def test_reductions_of_baselines_name_their_own_sizes():
     assert config.reductions("whole") == ""
     assert config.reductions("small") == (
         "points 30000 (paper 100000); points a step 512 (paper 2048); cells a side 64 (paper 128); "
-        "epochs 7 (paper 1000)"
+        "epochs 7 (our full run 1000)"
     )
     assert config.reductions("star") == config.reductions("small")
     assert config.reductions("gan") == "voxels a side 32 (paper 64); epochs 6 (paper 1000)"
