@@ -5,7 +5,6 @@ import pytest
 import trimesh
 
 from tetgan.rendering.figure import NOTHING, Row, Shape, draw_rows
-from tetgan.rendering.sheet import contact_sheet
 from tetgan.rendering.view import View
 
 SIZE = (60, 60)
@@ -15,19 +14,6 @@ def box(width: float, height: float = 0.8) -> Shape:
     half = np.array([width, height, width]) / 2
     mesh = trimesh.creation.box(bounds=[0.5 - half, 0.5 + half])
     return Shape(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
-
-
-@pytest.fixture
-def cells(monkeypatch) -> list[np.ndarray]:
-    """The pictures of the sheet that is drawn next, row by row."""
-    seen: list[np.ndarray] = []
-
-    def spy(images, columns, **titles):
-        seen[:] = images
-        return contact_sheet(images, columns, **titles)
-
-    monkeypatch.setattr("tetgan.rendering.figure.contact_sheet", spy)
-    return seen
 
 
 def ink(cell: np.ndarray) -> float:

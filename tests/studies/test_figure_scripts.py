@@ -12,7 +12,6 @@ from PIL import Image
 
 from tetgan.meshing.options import MeshingOptions
 from tetgan.models.samples import write_samples
-from tetgan.rendering.sheet import contact_sheet
 from tetgan.studies.arithmetic import write_arithmetic
 from tetgan.studies.figure_options import LatentOptions, NearestOptions
 from tetgan.studies.interpolation import write_interpolations
@@ -39,19 +38,6 @@ def made(project, model, tmp_path_factory) -> Path:
     log = {"seconds": [60, 120], "occupancy_loss": [1.0, 0.5], "validation_iou": [0.2, 0.4]}
     pd.DataFrame(log).to_csv(folder / "log.csv", index=False)
     return folder
-
-
-@pytest.fixture
-def cells(monkeypatch) -> list[np.ndarray]:
-    """The pictures of the sheet that is drawn next, row by row."""
-    seen: list[np.ndarray] = []
-
-    def spy(images, columns, **titles):
-        seen[:] = images
-        return contact_sheet(images, columns, **titles)
-
-    monkeypatch.setattr("tetgan.rendering.figure.contact_sheet", spy)
-    return seen
 
 
 @pytest.fixture
