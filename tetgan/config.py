@@ -6,6 +6,8 @@ tells whether it is in step. These classes are the one place that knows types, r
 
 import argparse
 import sys
+from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, get_args
 
@@ -14,20 +16,12 @@ from pydantic import Field, model_validator
 
 from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.fields.options import PointOptions, Sampling, ShapeSampling, VoxelOptions
+from tetgan.fields.options import PointOptions, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
 from tetgan.meshing.options import MeshingOptions
+from tetgan.models.kind import ModelKind
+from tetgan.models.kinds import MODULE_NAME, ModelOptions, find_kind, kind_of, load_plugins, loaded_kinds
 from tetgan.models.like import allow_like, resolve_like
-from tetgan.models.options import (
-    DeftetOptions,
-    ImplicitOptions,
-    ModelOptions,
-    OccNetOptions,
-    ShapeGanOptions,
-    ShapeGanVaeOptions,
-    SimplifiedOptions,
-    TetganOptions,
-)
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.studies.figure_options import LatentOptions, NearestOptions
@@ -42,6 +36,7 @@ TABLES = {
 }
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
 
+ModuleName = Annotated[str, Field(pattern=MODULE_NAME)]
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
@@ -97,6 +92,9 @@ class Config(Options):
         },
         description="points and voxels that the baselines learn from, by name",
     )
+    plugins: list[ModuleName] = Field(
+        [], description="importable modules that hold further kinds of model; naming one runs its code"
+    )
     models: dict[Name, ModelOptions] = Field(
         description="by name; `like: other` takes over the other's settings, an empty entry drops the model",
         json_schema_extra=allow_like,
@@ -123,6 +121,7 @@ class Config(Options):
     @model_validator(mode="before")
     @classmethod
     def _resolve_like(cls, values: Any) -> Any:
+        _load_plugins(values)
         if isinstance(values, dict) and isinstance(values.get("models"), dict):
             return values | {"models": resolve_like(values["models"])}
         return values
@@ -151,35 +150,35 @@ class Config(Options):
 
     def _check_data(self, name: str, model: Any) -> None:
         """A model must name what it learns from, or is made from."""
-        if isinstance(model, SimplifiedOptions):
-            self._check_simplified(name, model)
-        elif isinstance(model, ImplicitOptions):
-            self._check_sampling(name, model)
+        kind = kind_of(model)
+        if not kind.trained:
+            trained = [other for other, options in self.models.items() if kind_of(options).trained]
+            if model.of not in trained:
+                raise ValueError(f"models.{name}.of: '{model.of}' is not one of {sorted(trained)}")
+        elif kind.sampling is not None:
+            self._check_sampling(name, model, kind.sampling)
         elif model.grid not in self.grids:
             raise ValueError(f"models.{name}.grid: '{model.grid}' is not one of {sorted(self.grids)}")
-        elif isinstance(model, DeftetOptions):
-            self._check_moved(name, model)
+        elif kind.of:
+            self._check_standing(name, model, kind)
 
-    def _check_simplified(self, name: str, model: SimplifiedOptions) -> None:
-        others = [
-            other for other, options in self.models.items() if not isinstance(options, SimplifiedOptions)
+    def _check_sampling(self, name: str, model: Any, needed: Mapping[str, Any]) -> None:
+        fit = [
+            key
+            for key, sampling in self.samplings.items()
+            if needed.items() <= sampling.model_dump(mode="json").items()
         ]
-        if model.of not in others:
-            raise ValueError(f"models.{name}.of: '{model.of}' is not one of {sorted(others)}")
-
-    def _check_sampling(self, name: str, model: ImplicitOptions) -> None:
-        fit = [key for key, sampling in self.samplings.items() if _can_learn_from(model, sampling)]
         if model.sampling not in fit:
             raise ValueError(
                 f"models.{name}.sampling: '{model.sampling}' is none that it can learn from: {sorted(fit)}"
             )
 
-    def _check_moved(self, name: str, model: DeftetOptions) -> None:
-        moved = self.models.get(model.of)
-        if not isinstance(moved, TetganOptions):
-            raise ValueError(f"models.{name}.of: '{model.of}' is no model of kind tetgan")
-        if moved.grid != model.grid:
-            raise ValueError(f"models.{name}.of: '{model.of}' is on grid {moved.grid}, not {model.grid}")
+    def _check_standing(self, name: str, model: Any, kind: ModelKind) -> None:
+        other: Any = self.models.get(model.of)
+        if other is None or other.kind not in kind.of:
+            raise ValueError(f"models.{name}.of: '{model.of}' is no model of kind {' or '.join(kind.of)}")
+        if other.grid != model.grid:
+            raise ValueError(f"models.{name}.of: '{model.of}' is on grid {other.grid}, not {model.grid}")
 
     @property
     def table_models(self) -> list[str]:
@@ -227,88 +226,13 @@ class Config(Options):
 
     def reductions(self, model: str) -> str:
         """What is smaller than in the paper for one model, in words; empty when nothing is."""
-        options = self.models[model]
-        if isinstance(options, SimplifiedOptions | DeftetOptions):
+        options: Any = self.models[model]
+        kind = kind_of(options)
+        if kind.of or not kind.trained:
             return self.reductions(options.of)
-        ours, full = self._sizes(model), BASELINES.get(options.kind, PAPER)
-        unpublished = UNPUBLISHED.get(options.kind, ())
-        return "; ".join(
-            f"{key} {ours[key]} ({'our full run' if key in unpublished else 'paper'} {full[key]})"
-            for key in ours
-            if ours[key] < full[key]
-        )
-
-    def _sizes(self, model: str) -> dict[str, int]:
-        """The sizes of a model that `PAPER` has its own for."""
-        options, training = self.models[model], self.training_of(model)
-        if isinstance(options, ImplicitOptions):
-            return _sizes_of_baseline(options, self.samplings[options.sampling], training.model_dump())
-        assert not isinstance(options, SimplifiedOptions)  # nothing of its own but faces
-        sizes = {"depth": self.grids[options.grid].depth}
-        if isinstance(options, TetganOptions):
-            assert isinstance(training, TrainingOptions)
-            sizes |= {
-                "width": options.width,
-                "code": options.code,
-                "local critic width": options.local_critic_width,
-                "global critic width": options.global_critic_width,
-                "epochs": training.epochs,
-                "batch": training.batch_size,
-            }
-        return sizes
-
-
-PAPER = {
-    "depth": 3,
-    "width": 64,
-    "code": 512,
-    "local critic width": 16,
-    "global critic width": 64,
-    "epochs": 100,
-    "batch": 30,
-}
-"""Sizes of the paper and its official code (docs/fidelity.md)."""
-
-BASELINES = {
-    "occnet": {"points": 100_000, "points a step": 2048, "cells a side": 128, "epochs": 1000, "batch": 64},
-    "shapegan-gan": {"voxels a side": 64, "cells a side": 64, "epochs": 1000, "batch": 16},
-    "shapegan-vae": {"voxels a side": 32, "epochs": 500, "batch": 32},
-}
-"""The same of the baselines and their public code."""
-
-UNPUBLISHED = {"occnet": ("epochs",), "shapegan-vae": ("epochs",)}
-"""What neither says: the number is ours (docs/fidelity.md), and no table may call it the paper's."""
-
-
-def _can_learn_from(model: ImplicitOptions, sampling: Sampling) -> bool:
-    if isinstance(model, OccNetOptions):
-        return isinstance(sampling, PointOptions)
-    if isinstance(model, ShapeGanVaeOptions):
-        return isinstance(sampling, VoxelOptions) and sampling.resolution == 32
-    return isinstance(sampling, VoxelOptions)
-
-
-def _sizes_of_baseline(
-    options: ImplicitOptions, sampling: Sampling, training: dict[str, Any]
-) -> dict[str, int]:
-    epochs = training["epochs"]
-    sizes = {"epochs": epochs, "batch": training["batch_size"]}
-    if isinstance(options, OccNetOptions):
-        assert isinstance(sampling, PointOptions)
-        cells = options.mise_start * 2**options.mise_steps
-        return {
-            "points": sampling.count,
-            "points a step": training["points"],
-            "cells a side": cells,
-            **sizes,
-        }
-    assert isinstance(sampling, VoxelOptions)
-    sizes = {"voxels a side": sampling.resolution, **sizes}
-    if isinstance(options, ShapeGanOptions):
-        stages = (sampling.resolution // 4).bit_length() - 1  # 8 voxels a side, 16, ...
-        total = sum(epochs) if isinstance(epochs, list) else stages * epochs
-        sizes |= {"cells a side": options.resolution, "epochs": total}
-    return sizes
+        data = self.grids[options.grid] if kind.sampling is None else self.samplings[options.sampling]
+        sizes = kind.load("sizes")(options, data, self.training_of(model))
+        return "; ".join(f"{key} {size}" for key, size in sizes.items() if size.ours < size.full)
 
 
 def load_config(values: dict[str, Any]) -> dict[str, Any]:
@@ -317,14 +241,33 @@ def load_config(values: dict[str, Any]) -> dict[str, Any]:
     Raises:
         UserError: a key is unknown or a value out of range; one line that names it.
     """
+    _load_plugins(values)
     own = dict(values)
     if isinstance(values.get("models"), dict):
         own["models"] = resolve_like(values["models"])
-    unions = {"sources": SourceOptions, "samplings": ShapeSampling, "models": ModelOptions}
-    for section, union in unions.items():
+    for section, classes in _classes(own).items():
         if isinstance(own.get(section), dict):
-            own[section] = {name: _of_one_kind(part, union) for name, part in own[section].items()}
+            own[section] = {name: _of_one_kind(part, classes) for name, part in own[section].items()}
     return Config.parse(own).model_dump(mode="json")
+
+
+def _load_plugins(values: Any) -> None:
+    """Import the modules that a config names; names that are none are left to the validation."""
+    named = values.get("plugins") if isinstance(values, dict) else None
+    if isinstance(named, list) and all(isinstance(name, str) for name in named):
+        load_plugins(named)
+
+
+def _classes(values: dict[str, Any]) -> dict[str, list[type[Options]]]:
+    """Classes of options that `kind` tells apart, by section; of installed models those that are named."""
+    models = values.get("models")
+    for part in models.values() if isinstance(models, dict) else ():
+        if isinstance(part, dict) and isinstance(part.get("kind"), str):
+            with suppress(UserError):  # of which validation will tell
+                find_kind(part["kind"])
+    unions = {"sources": SourceOptions, "samplings": ShapeSampling}
+    members = {section: list(get_args(get_args(union)[0])) for section, union in unions.items()}
+    return members | {"models": [kind.options for kind in loaded_kinds()]}
 
 
 def _in_words(value: Any) -> str:
@@ -333,14 +276,13 @@ def _in_words(value: Any) -> str:
     return {True: "yes", False: "no"}[value] if isinstance(value, bool) else str(value)
 
 
-def _of_one_kind(part: Any, union: Any) -> Any:
+def _of_one_kind(part: Any, classes: list[type[Options]]) -> Any:
     """`part` without the keys that belong to another kind alone.
 
     Snakemake lays a config over the default key by key, so an entry whose kind is changed keeps the keys of
     the kind it had. A key that no kind knows stays, and is an error.
     """
-    kinds = {kind.model_fields["kind"].annotation: kind for kind in get_args(get_args(union)[0])}
-    fields = {get_args(tag)[0]: set(kind.model_fields) for tag, kind in kinds.items()}
+    fields = {get_args(kind.model_fields["kind"].annotation)[0]: set(kind.model_fields) for kind in classes}
     if not isinstance(part, dict) or part.get("kind") not in fields:
         return part
     foreign = set().union(*fields.values()) - fields[part["kind"]]

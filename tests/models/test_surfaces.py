@@ -134,10 +134,10 @@ def test_a_model_without_an_encoder_reconstructs_nothing(points):
 
 def test_the_grid_follows_the_options(points, voxels):
     on_points, on_voxels = PointStore.open(points), VoxelStore.open(voxels)
-    occnet = OccNetOptions(kind="occnet", mise_start=8, mise_steps=1)
+    occnet, gan, vae = map(build_surface_model, CASES.values())
     assert extraction_of(occnet, on_points) == (8, 1, 1.1)
-    assert extraction_of(ShapeGanOptions(kind="shapegan-gan", resolution=16), on_voxels) == (16, 0, 1.0)
-    assert extraction_of(ShapeGanVaeOptions(kind="shapegan-vae"), on_voxels) is None
+    assert extraction_of(gan, on_voxels) == (8, 0, 1.0)
+    assert extraction_of(vae, on_voxels) is None
 
 
 CASES = {

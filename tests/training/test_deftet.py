@@ -13,7 +13,7 @@ from tetgan.models.options import DeftetOptions, PcaOptions, TetganOptions
 from tetgan.models.registry import build_generator, load_generator, save_generator
 from tetgan.training.deftet import DeftetTrainer
 from tetgan.training.options import TrainingOptions
-from tetgan.training.trainer import train_model
+from tetgan.training.run import train_model
 
 TETGAN = TetganOptions(grid="smoke", width=4, code=8)
 OPTIONS = DeftetOptions(kind="deftet", grid="smoke", of="full", width=16, blocks=2)

@@ -3,7 +3,7 @@
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.models.options import ModelOptions
+from tetgan.models.kinds import ModelOptions
 from tetgan.options import parse_options
 from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions

@@ -22,7 +22,8 @@ from tetgan.models.registry import load_generator
 from tetgan.training import trainer as trainer_module
 from tetgan.training.learner import Learner
 from tetgan.training.options import TrainingOptions
-from tetgan.training.trainer import Trainer, train_model
+from tetgan.training.run import train_model
+from tetgan.training.trainer import Trainer
 
 SMALL = TetganOptions.parse(
     {"grid": "smoke", "width": 4, "code": 8, "local_critic_width": 1, "global_critic_width": 2}

@@ -18,6 +18,22 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
+
+@app.callback()
+def load_models(
+    plugin: Annotated[
+        list[str] | None,
+        typer.Option(
+            envvar="TETGAN_PLUGINS",
+            help="Importable module with further kinds of model; naming one runs its code. May be repeated.",
+        ),
+    ] = None,
+) -> None:
+    from tetgan.models.kinds import load_plugins
+
+    load_plugins(plugin or [])
+
+
 OptionsText = Annotated[str, typer.Option(help="Options as JSON, or the path of a YAML or JSON file.")]
 Category = Annotated[str, typer.Option(help="Category, such as chair.")]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of every random choice.")]

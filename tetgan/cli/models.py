@@ -26,9 +26,9 @@ def train(
 
     Example: `tetgan train index.json model --model '{kind: tetgan, grid: LR, width: 16, code: 32}'`
     """
-    from tetgan.models.options import ModelOptions
+    from tetgan.models.kinds import ModelOptions
     from tetgan.training.kinds import training_class
-    from tetgan.training.trainer import train_model
+    from tetgan.training.run import train_model
 
     use_threads(threads)
     chosen = read_options(ModelOptions, model, "--model")

@@ -144,6 +144,15 @@ class VoxelStore(SamplingStore):
         return self._read(shape_id)["distance"].astype(np.float32)
 
 
+def open_sampling(index_path: Path, kind: str) -> PointStore | VoxelStore:
+    """Open the data set of points or voxels, as `kind` says.
+
+    Raises:
+        UserError: the index is missing, malformed, or one of the other kind.
+    """
+    return PointStore.open(index_path) if kind == "points" else VoxelStore.open(index_path)
+
+
 def _sample(
     options: Sampling, shape_id: str, vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
 ) -> Arrays:

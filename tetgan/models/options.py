@@ -1,13 +1,19 @@
 """Which model is built: one line of the config under `models`."""
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from tetgan.options import Options
 
 
-class TetganOptions(Options):
+class KindOptions(Options):
+    """What the options of every model have; each class allows one word for `kind`."""
+
+    kind: str
+
+
+class TetganOptions(KindOptions):
     """TetGAN: a variational autoencoder on a tetrahedral hierarchy and its two critics."""
 
     kind: Literal["tetgan"] = "tetgan"
@@ -53,7 +59,7 @@ class TetganOptions(Options):
     )
 
 
-class DeftetOptions(Options):
+class DeftetOptions(KindOptions):
     """DefTet's surface network: a graph convolution moves the boundary that another model decodes."""
 
     kind: Literal["deftet"]
@@ -66,7 +72,7 @@ class DeftetOptions(Options):
     )
 
 
-class PcaOptions(Options):
+class PcaOptions(KindOptions):
     """Principal components of the training fields: the linear yardstick."""
 
     kind: Literal["pca"]
@@ -74,14 +80,14 @@ class PcaOptions(Options):
     components: int = Field(64, ge=1, description="number of principal components kept")
 
 
-class RepresentationOptions(Options):
+class RepresentationOptions(KindOptions):
     """Ground-truth fields in place of a model: the best that any model on the grid can do."""
 
     kind: Literal["representation"]
     grid: str = Field(description="name of the grid, a key of `grids`")
 
 
-class OccNetOptions(Options):
+class OccNetOptions(KindOptions):
     """OccNet without an input to condition on: a variational autoencoder of occupancy at points."""
 
     kind: Literal["occnet"]
@@ -97,7 +103,7 @@ class OccNetOptions(Options):
     )
 
 
-class ShapeGanOptions(Options):
+class ShapeGanOptions(KindOptions):
     """ShapeGAN (GAN): a network of signed distance, judged by a critic of voxels that grows."""
 
     kind: Literal["shapegan-gan"]
@@ -111,7 +117,7 @@ class ShapeGanOptions(Options):
     )
 
 
-class ShapeGanVaeOptions(Options):
+class ShapeGanVaeOptions(KindOptions):
     """ShapeGAN (VAE): a variational autoencoder of 32³ voxels of signed distance."""
 
     kind: Literal["shapegan-vae"]
@@ -124,7 +130,7 @@ class ShapeGanVaeOptions(Options):
     )
 
 
-class SimplifiedOptions(Options):
+class SimplifiedOptions(KindOptions):
     """The samples of another model with fewer faces; nothing is trained. The paper's rows with a star."""
 
     kind: Literal["simplified"]
@@ -132,19 +138,3 @@ class SimplifiedOptions(Options):
     faces: int = Field(
         5500, ge=4, description="faces that quadric edge collapse leaves; the paper's are 5,500"
     )
-
-
-ImplicitOptions = OccNetOptions | ShapeGanOptions | ShapeGanVaeOptions
-"""Models that learn from a sampling, not from fields on a grid."""
-
-ModelOptions = Annotated[
-    TetganOptions
-    | DeftetOptions
-    | PcaOptions
-    | RepresentationOptions
-    | OccNetOptions
-    | ShapeGanOptions
-    | ShapeGanVaeOptions
-    | SimplifiedOptions,
-    Field(discriminator="kind"),
-]

@@ -11,64 +11,40 @@ from torch import Tensor
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.grids.hierarchy import GridHierarchy
-from tetgan.models.baselines.deftet import DeftetGenerator
 from tetgan.models.baselines.implicit import SurfaceModel
-from tetgan.models.baselines.occnet import OccNetGenerator
-from tetgan.models.baselines.pca import PcaGenerator
-from tetgan.models.baselines.representation import RepresentationGenerator
-from tetgan.models.baselines.shapegan import ShapeGanGenerator
-from tetgan.models.baselines.shapegan_vae import ShapeGanVae
 from tetgan.models.generator import FieldGenerator, LatentModel
-from tetgan.models.options import (
-    DeftetOptions,
-    ImplicitOptions,
-    ModelOptions,
-    OccNetOptions,
-    PcaOptions,
-    RepresentationOptions,
-    ShapeGanOptions,
-    TetganOptions,
-)
-from tetgan.models.tetgan import TetganGenerator
+from tetgan.models.kinds import ModelOptions, kind_of
+from tetgan.models.options import KindOptions
 from tetgan.options import parse_options
 
 OPTIONS, WEIGHTS = "options.json", "weights.safetensors"
 
 
 def build_generator(
-    options: ModelOptions,  # type: ignore[valid-type]
-    hierarchy: GridHierarchy,
-    of: TetganOptions | None = None,
+    options: KindOptions, hierarchy: GridHierarchy, of: KindOptions | None = None
 ) -> FieldGenerator:
     """An untrained model of fields; its weights are drawn from PyTorch's global generator.
 
     Args:
-        of: the model that a DefTet moves the boundary of.
+        of: the model that this one stands on, as a DefTet does, whose boundary it moves.
     """
-    if isinstance(options, TetganOptions):
-        return TetganGenerator(options, hierarchy)
-    if isinstance(options, DeftetOptions):
-        assert of is not None
-        return DeftetGenerator(options, hierarchy, TetganGenerator(of, hierarchy))
-    if isinstance(options, PcaOptions):
-        return PcaGenerator(options, hierarchy)
-    assert isinstance(options, RepresentationOptions), "no model of fields"
-    return RepresentationGenerator(options, hierarchy)
+    under = [] if of is None else [build_generator(of, hierarchy)]
+    model = kind_of(options).load("build")(options, hierarchy, *under)
+    assert isinstance(model, FieldGenerator), f"{options.kind}: no model of fields"
+    return model
 
 
-def build_surface_model(options: ImplicitOptions) -> SurfaceModel:
+def build_surface_model(options: KindOptions) -> SurfaceModel:
     """An untrained model of implicit surfaces; its weights are drawn from PyTorch's global generator."""
-    if isinstance(options, OccNetOptions):
-        return OccNetGenerator(options)
-    if isinstance(options, ShapeGanOptions):
-        return ShapeGanGenerator(options)
-    return ShapeGanVae(options)
+    model = kind_of(options).load("build")(options)
+    assert isinstance(model, SurfaceModel), f"{options.kind}: no model of implicit surfaces"
+    return model
 
 
 def save_generator(
     folder: Path,
     generator: LatentModel,
-    options: ModelOptions,  # type: ignore[valid-type]
+    options: KindOptions,
     hierarchy: GridHierarchy | None = None,
     **further: Any,
 ) -> None:
@@ -85,8 +61,8 @@ def save_generator(
         save_file(weights, partial)
 
 
-def load_options(folder: Path) -> Any:
-    """The options (`ModelOptions`) of the trained model of a folder.
+def load_options(folder: Path) -> KindOptions:
+    """The options of the trained model of a folder.
 
     Raises:
         UserError: the folder holds no whole model.
@@ -101,11 +77,11 @@ def load_generator(folder: Path, hierarchy: GridHierarchy) -> FieldGenerator:
         UserError: the folder holds no whole model, or one of another grid.
     """
     record, options, weights = _read_model(folder)
-    if isinstance(options, ImplicitOptions):
+    if kind_of(options).sampling is not None:
         raise UserError(f"{folder}: a model of kind {options.kind}, which has no fields")
     if record.get("grid_digest") != hierarchy.digest:
         raise UserError(f"{folder}: trained on another grid; use the fields it was trained on")
-    of = parse_options(TetganOptions, record["of"], str(folder / OPTIONS)) if "of" in record else None
+    of = parse_options(ModelOptions, record["of"], str(folder / OPTIONS)) if "of" in record else None
     generator = build_generator(options, hierarchy, of)
     generator.load_state_dict(weights)
     return generator.eval()
@@ -118,14 +94,14 @@ def load_surface_model(folder: Path) -> SurfaceModel:
         UserError: the folder holds no whole model, or one of fields.
     """
     _, options, weights = _read_model(folder)
-    if not isinstance(options, ImplicitOptions):
+    if kind_of(options).sampling is None:
         raise UserError(f"{folder}: a model of kind {options.kind}, not of implicit surfaces")
     model = build_surface_model(options)
     model.load_state_dict(weights)
     return model.eval()
 
 
-def _read_model(folder: Path) -> tuple[dict[str, Any], Any, dict[str, Tensor]]:
+def _read_model(folder: Path) -> tuple[dict[str, Any], KindOptions, dict[str, Tensor]]:
     """What `options.json` says, the model's options in it, and the weights."""
     try:
         record = json.loads((folder / OPTIONS).read_text(encoding="utf-8"))

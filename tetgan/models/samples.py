@@ -9,12 +9,12 @@ import pandas as pd
 from rich.console import Console
 from rich.progress import track
 
-from tetgan.fields.samplings import PointStore, VoxelStore
+from tetgan.fields.samplings import open_sampling
 from tetgan.fields.store import FieldStore
 from tetgan.files import whole_file
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.samples import write_solids, write_surfaces
-from tetgan.models.options import ImplicitOptions, OccNetOptions
+from tetgan.models.kinds import kind_of
 from tetgan.models.registry import load_generator, load_options, load_surface_model
 from tetgan.models.sampling import generate_fields, reconstruct_fields
 from tetgan.models.surfaces import extraction_of, generate_surfaces, reconstruct_surfaces
@@ -41,11 +41,11 @@ def write_samples(
         folder: receives `{none,wls}/{generated,reconstructed}/{id}.{ply,vtu}`, `certificate.csv` beside
             them, and `about.json` with the number of tets, if any, and the minutes of training.
     """
-    trained = load_options(model)
-    if isinstance(trained, ImplicitOptions):
-        about = _write_surfaces(model, index, folder, trained, count=count, seed=seed)
-    else:
+    sampling = kind_of(load_options(model)).sampling
+    if sampling is None:
         about = _write_solids(model, index, folder, options, count=count, seed=seed)
+    else:
+        about = _write_surfaces(model, index, folder, sampling["kind"], count=count, seed=seed)
     about |= {"train_minutes": _train_minutes(model)}
     with whole_file(folder / "about.json") as partial:
         partial.write_text(json.dumps(about, indent=2) + "\n")
@@ -72,13 +72,10 @@ def _write_solids(
     return {"tets": len(store.hierarchy.finest.tets)}
 
 
-def _write_surfaces(
-    model: Path, index: Path, folder: Path, options: ImplicitOptions, *, count: int, seed: int
-) -> Row:
-    kind = PointStore if isinstance(options, OccNetOptions) else VoxelStore
-    store = kind.open(index)
+def _write_surfaces(model: Path, index: Path, folder: Path, sampling: str, *, count: int, seed: int) -> Row:
+    store = open_sampling(index, sampling)
     trained = load_surface_model(model)
-    extraction = extraction_of(options, store)
+    extraction = extraction_of(trained, store)
     ids = store.ids("validation") if trained.has_encoder else []
     rows = []
     for name, shapes in (

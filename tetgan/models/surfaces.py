@@ -12,7 +12,6 @@ from tetgan.fields.samplings import PointStore, VoxelStore
 from tetgan.meshing.marching import mise, voxel_surface
 from tetgan.models.baselines.implicit import ImplicitGenerator, SurfaceModel, VoxelGenerator
 from tetgan.models.measures import occupancy_iou
-from tetgan.models.options import ImplicitOptions, OccNetOptions, ShapeGanOptions
 from tetgan.nn.device import pick_device
 from tetgan.shapes.soup import Soup
 
@@ -30,13 +29,11 @@ class Extraction(NamedTuple):
     box: float
 
 
-def extraction_of(options: ImplicitOptions, store: PointStore | VoxelStore) -> Extraction | None:
+def extraction_of(model: SurfaceModel, store: PointStore | VoxelStore) -> Extraction | None:
     """How the surfaces of a model are found; None for models that give voxels."""
-    if isinstance(options, OccNetOptions):
-        return Extraction(options.mise_start, options.mise_steps, getattr(store, "box", 1.0))
-    if isinstance(options, ShapeGanOptions):
-        return Extraction(options.resolution, 0, 1.0)
-    return None
+    if not isinstance(model, ImplicitGenerator):
+        return None
+    return Extraction(model.cells, model.halvings, getattr(store, "box", 1.0))
 
 
 def generate_surfaces(

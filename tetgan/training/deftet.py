@@ -21,11 +21,23 @@ from tetgan.models.tetgan import TetganGenerator
 from tetgan.nn.device import pick_device
 from tetgan.training.average import WeightAverage
 from tetgan.training.checkpoint import run_digest
+from tetgan.training.data import open_fields
 from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
 from tetgan.training.schedule import rate_factor
 
 Surface = tuple[SurfaceGraph, Float[Tensor, "_n 3"]]
+
+
+def train_deftet(
+    index: Path, options: DeftetOptions, training: TrainingOptions, seed: int, folder: Path, *, of: Path
+) -> None:
+    """Train the network that moves the boundary of the TetGAN in the folder `of`.
+
+    Raises:
+        UserError: no training shapes, the training diverges, or `of` holds no TetGAN of this grid.
+    """
+    DeftetTrainer(open_fields(index), options, training, seed=seed, of=of, folder=folder).run()
 
 
 class DeftetTrainer(TrainingLoop):

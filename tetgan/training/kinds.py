@@ -1,38 +1,30 @@
 """Which training options go with which kind of model."""
 
-from typing import Any
-
-from tetgan.models.options import ModelOptions
+from tetgan.models.kinds import kind_of
+from tetgan.models.options import KindOptions
 from tetgan.options import Options
-from tetgan.training.baselines.options import OccNetTraining, ShapeGanTraining, ShapeGanVaeTraining
+from tetgan.training.common import CommonTraining
 from tetgan.training.options import TrainingOptions
 
-_OF_BASELINES: dict[str, type[Options]] = {
-    "occnet": OccNetTraining,
-    "shapegan-gan": ShapeGanTraining,
-    "shapegan-vae": ShapeGanVaeTraining,
-}
-
-# What baselines take from the common training options: these do not touch the weights.
-_COMMON = ("device", "validate_every", "checkpoint_seconds")
+# What other kinds take from the common training options, which are TetGAN's: these do not touch the weights.
+_COMMON = set(CommonTraining.model_fields) - {"batch_size"}
 
 
-def training_class(model: ModelOptions) -> type[Options]:  # type: ignore[valid-type]
-    """The class of training options of a model; TetGAN's for those that nothing is trained for."""
-    return _OF_BASELINES.get(model.kind, TrainingOptions)  # type: ignore[attr-defined]
+def training_class(model: KindOptions) -> type[Options]:
+    """The class of training options of a model."""
+    found: type[Options] = kind_of(model).load("training")
+    return found
 
 
-def training_options(model: ModelOptions, common: TrainingOptions) -> Options:  # type: ignore[valid-type]
+def training_options(model: KindOptions, common: TrainingOptions) -> Options:
     """Training options of a model: the common ones, then its own.
 
-    A baseline has its own hyperparameters, so of the common options only those count that do not touch the
-    weights.
+    A kind with a class of its own has its own hyperparameters, so of the common options only those count that
+    do not touch the weights.
 
     Raises:
         UserError: the model's own options have a key that its kind does not know, or a bad value.
     """
     kind = training_class(model)
-    values: dict[str, Any] = common.model_dump()
-    if kind is not TrainingOptions:
-        values = {key: values[key] for key in _COMMON}
-    return kind.parse(values | getattr(model, "training", {}), "training")
+    heeded = None if kind is TrainingOptions else _COMMON
+    return kind.parse(common.model_dump(include=heeded) | getattr(model, "training", {}), "training")

@@ -1,4 +1,4 @@
-"""Stage: fields in, a trained model out."""
+"""TetGAN in training: its data, schedules and pictures."""
 
 import math
 from collections.abc import Iterator
@@ -11,16 +11,11 @@ from torch import Tensor
 from tetgan.errors import UserError
 from tetgan.fields.store import FieldStore
 from tetgan.fields.vertices import vertex_operator
-from tetgan.models.baselines.pca import PcaGenerator
-from tetgan.models.options import DeftetOptions, ImplicitOptions, ModelOptions, PcaOptions, TetganOptions
-from tetgan.models.registry import build_generator, save_generator
+from tetgan.models.options import TetganOptions
+from tetgan.models.registry import save_generator
 from tetgan.nn.device import pick_device
-from tetgan.options import Options
-from tetgan.training.baselines.options import BaselineTraining
-from tetgan.training.baselines.trainer import train_baseline
 from tetgan.training.checkpoint import run_digest
-from tetgan.training.data import FieldData
-from tetgan.training.deftet import DeftetTrainer
+from tetgan.training.data import FieldData, open_fields
 from tetgan.training.learner import Learner
 from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
@@ -37,50 +32,15 @@ from tetgan.training.validation import validate
 SOME_SHAPES = 1024  # from which the latent head starts and the prior is fitted, at most
 
 
-def train_model(
-    index: Path,
-    options: ModelOptions,  # type: ignore[valid-type]
-    training: Options,
-    seed: int,
-    out_folder: Path,
-    *,
-    of: Path | None = None,
+def train_tetgan(
+    index: Path, options: TetganOptions, training: TrainingOptions, seed: int, folder: Path
 ) -> None:
-    """Train a model on the training split of an index of fields; a baseline, of points or voxels.
-
-    Args:
-        index: `index.json` of the fields, points or voxels.
-        training: of the class that goes with the model's kind.
-        out_folder: receives `options.json` and `weights.safetensors`; for TetGAN also `log.csv`, `events/`
-            for TensorBoard, `decoded_*.png`, and `checkpoint.pt`, from which a killed run goes on.
-        of: folder of the trained TetGAN whose boundary a DefTet moves.
+    """Train a TetGAN; the folder receives `decoded_*.png` too.
 
     Raises:
-        UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN.
+        UserError: there are no training shapes, or the training diverges.
     """
-    if isinstance(options, ImplicitOptions):
-        assert isinstance(training, BaselineTraining)
-        train_baseline(index, options, training, seed, out_folder)
-        return
-    store = FieldStore.open(index)
-    if not store.ids("train"):
-        raise UserError(f"{index}: no training shapes; add shapes to the source")
-    if isinstance(options, TetganOptions):
-        assert isinstance(training, TrainingOptions)
-        Trainer(store, options, training, seed, out_folder).run()
-        return
-    if isinstance(options, DeftetOptions):
-        assert isinstance(training, TrainingOptions)
-        if of is None:
-            raise UserError("--of: 'deftet' needs the folder of the trained TetGAN whose boundary it moves")
-        DeftetTrainer(store, options, training, seed=seed, of=of, folder=out_folder).run()
-        return
-    generator = build_generator(options, store.hierarchy)
-    if isinstance(options, PcaOptions):
-        assert isinstance(generator, PcaGenerator)
-        data = FieldData(store, "train")
-        generator.fit(data.tets)
-    save_generator(out_folder, generator, options, store.hierarchy)
+    Trainer(open_fields(index), options, training, seed, folder).run()
 
 
 class Trainer(TrainingLoop):

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 import shlex
 import sys
 from importlib.util import find_spec
@@ -9,6 +10,7 @@ from pathlib import Path
 
 from tetgan.config import Config, load_config
 from tetgan.errors import UserError
+from tetgan.models.kinds import kind_of
 
 try:
     config.update(load_config(config))
@@ -16,6 +18,7 @@ except UserError as error:
     sys.exit(f"error: {error}")
 
 SETTINGS = Config.parse(config)
+os.environ["TETGAN_PLUGINS"] = " ".join(SETTINGS.plugins)  # for the commands of all jobs
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
 CAPTIONS = (
     Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "report"
@@ -24,10 +27,9 @@ SOURCES = {".py", ".html", ".css", ".js"}
 SHOWN_MODELS = [
     name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
-SIMPLIFIED = [
-    name for name, model in SETTINGS.models.items() if model.kind == "simplified"
-]
-TRAINED = [name for name in SETTINGS.models if name not in SIMPLIFIED]
+KINDS = {name: kind_of(model) for name, model in SETTINGS.models.items()}
+TRAINED = [name for name, kind in KINDS.items() if kind.trained]
+SIMPLIFIED = [name for name in KINDS if name not in TRAINED]
 
 
 SAMPLING_MODULES = [
@@ -41,11 +43,7 @@ def one_of(names):
 
 
 FIGURE_MODELS = SETTINGS.figures.models or SHOWN_MODELS
-LOGGED_MODELS = [
-    name
-    for name in SETTINGS.table_models
-    if SETTINGS.models[name].kind not in ("representation", "pca", "simplified")
-]
+LOGGED_MODELS = [name for name in SETTINGS.table_models if KINDS[name].logged]
 
 # Those of the ablation that are trained: some take over the weights of another and mesh differently.
 ABLATED_MODELS = [
@@ -111,7 +109,7 @@ def identity(wildcards):
             "sampling": getattr(model, "sampling", None),
             "mode": wildcards.mode,
             "seed": int(wildcards.seed),
-            "simplified": model.kind == "simplified",
+            "simplified": wildcards.model in SIMPLIFIED,
             "reduced": SETTINGS.reductions(wildcards.model),
         }
     )
@@ -135,7 +133,7 @@ def study_identity(wildcards):
 def model_fields(wildcards):
     """Index and shards of the fields, or of the points or voxels, that a model learns from."""
     model = SETTINGS.models[wildcards.model]
-    if hasattr(model, "grid"):
+    if KINDS[wildcards.model].sampling is None:
         folder = f"<results>/fields/{wildcards.category}/{model.grid}"
     else:
         folder = f"<results>/samplings/{wildcards.category}/{model.sampling}"
@@ -161,9 +159,9 @@ def trained_model(wildcards, model=None):
 def training_inputs(wildcards):
     """Fields, and for a model that stands on another, as DefTet does, the weights of that one."""
     inputs = model_fields(wildcards)
-    options = SETTINGS.models[wildcards.model]
-    if options.kind == "deftet":
-        inputs["of"] = trained_model(wildcards, options.of)["weights"]
+    if KINDS[wildcards.model].of:
+        of = SETTINGS.models[wildcards.model].of
+        inputs["of"] = trained_model(wildcards, of)["weights"]
     return inputs
 
 

@@ -9,15 +9,15 @@ import torch
 
 from tetgan.errors import UserError
 from tetgan.grids.hierarchy import build_hierarchy
-from tetgan.models.options import ModelOptions
+from tetgan.models.kinds import ModelOptions
 from tetgan.models.registry import load_generator, load_surface_model
 from tetgan.options import parse_options
 from tetgan.training.baselines.occnet import OccNetLearner
 from tetgan.training.baselines.shapegan import ShapeGanLearner
 from tetgan.training.baselines.shapegan_vae import ShapeGanVaeLearner
-from tetgan.training.baselines.trainer import BaselineTrainer
+from tetgan.training.kind_trainer import KindTrainer
 from tetgan.training.kinds import training_class
-from tetgan.training.trainer import train_model
+from tetgan.training.run import train_model
 
 KINDS = ("occnet", "shapegan-gan", "shapegan-vae")
 BRIEF = {
@@ -56,9 +56,9 @@ def learner(points, voxels, coarse_voxels):
 def run(learner):
     """Makes runs."""
 
-    def make(kind: str, folder: Path, seed: int = 0, **changes) -> BaselineTrainer:
+    def make(kind: str, folder: Path, seed: int = 0, **changes) -> KindTrainer:
         options = training(kind, **changes)
-        return BaselineTrainer(learner(kind, seed, **changes), model(kind), options, seed, folder)
+        return KindTrainer(learner(kind, seed, **changes), model(kind), options, seed, folder)
 
     return make
 

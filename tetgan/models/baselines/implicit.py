@@ -31,6 +31,12 @@ class SurfaceModel(LatentModel):
 class ImplicitGenerator(SurfaceModel):
     """A decoder that answers point by point."""
 
+    cells: int = 64
+    """Along a side of the grid on which its surface is searched."""
+
+    halvings: int = 0
+    """How many times cells on the surface are halved."""
+
     @abstractmethod
     def value(self, latent: Float[Tensor, "B ..."], points: Float[Tensor, "B N 3"]) -> Float[Tensor, "B N"]:
         """At each point of the unit cube a value that is above `level` inside the shape.

@@ -76,6 +76,7 @@ class OccNetGenerator(ImplicitGenerator):
     def __init__(self, options: OccNetOptions) -> None:
         super().__init__()
         self.code, self.threshold = options.code, options.threshold
+        self.cells, self.halvings = options.mise_start, options.mise_steps
         self.encoder, self.decoder = PointEncoder(options.code), PointDecoder(options.code)
         self.encoded = nn.Buffer(torch.tensor(ENCODED))  # points of each shape that training encodes
 

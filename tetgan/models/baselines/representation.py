@@ -15,6 +15,9 @@ class RepresentationGenerator(FieldGenerator):
         super().__init__()
         self.tets = len(hierarchy.finest.tets)
 
+    def fit(self, tets: object) -> None:
+        """There is nothing to fit."""
+
     @property
     def latent_shape(self) -> tuple[int, ...]:
         return (self.tets, 4)

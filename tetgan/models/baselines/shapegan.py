@@ -37,6 +37,7 @@ class ShapeGanGenerator(ImplicitGenerator):
     def __init__(self, options: ShapeGanOptions) -> None:
         super().__init__()
         self.code, inputs = options.code, 3 + options.code
+        self.cells = options.resolution
         self.first, self.again = nn.Linear(inputs, WIDTH), nn.Linear(WIDTH + inputs, WIDTH)
         self.early = nn.ModuleList(nn.Linear(WIDTH, WIDTH) for _ in range(3))
         self.late = nn.ModuleList(nn.Linear(WIDTH, WIDTH) for _ in range(2))

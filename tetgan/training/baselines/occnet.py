@@ -13,8 +13,8 @@ from tetgan.models.measures import occupancy_iou
 from tetgan.models.options import OccNetOptions
 from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import PointData, PointSource
-from tetgan.training.baselines.learner import seeded
 from tetgan.training.baselines.options import OccNetTraining
+from tetgan.training.kind_learner import seeded
 from tetgan.training.loop import Losses
 
 

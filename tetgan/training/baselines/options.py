@@ -3,27 +3,14 @@
 That code trains OccNet and ShapeGAN's autoencoder for as long as one likes; their numbers of epochs are ours.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
-from tetgan.options import Options
+from tetgan.training.common import CommonTraining
 
 
-class BaselineTraining(Options):
-    """What all of them have."""
-
-    batch_size: int = Field(ge=1, description="shapes a step")
-    device: Literal["auto", "cpu", "cuda"] = Field(
-        "auto", description="where to train; auto: CUDA if present"
-    )
-    validate_every: int = Field(
-        10, ge=1, description="epochs between two validation rows of the log, where there is an encoder"
-    )
-    checkpoint_seconds: float = Field(120.0, ge=0, description="least time between two checkpoints")
-
-
-class OccNetTraining(BaselineTraining):
+class OccNetTraining(CommonTraining):
     """OccNet: Adam on cross-entropy and KL divergence."""
 
     epochs: int = Field(1000, ge=1, description="passes over the training split")
@@ -32,7 +19,7 @@ class OccNetTraining(BaselineTraining):
     learning_rate: float = Field(1e-4, gt=0, description="Adam's step size")
 
 
-class ShapeGanTraining(BaselineTraining):
+class ShapeGanTraining(CommonTraining):
     """ShapeGAN (GAN): WGAN-GP by RMSprop, with a critic that grows."""
 
     epochs: Annotated[int, Field(ge=1)] | list[Annotated[int, Field(ge=1)]] = Field(
@@ -45,7 +32,7 @@ class ShapeGanTraining(BaselineTraining):
     fade_in: float = Field(10.0, ge=0, description="epochs over which a new resolution is blended in")
 
 
-class ShapeGanVaeTraining(BaselineTraining):
+class ShapeGanVaeTraining(CommonTraining):
     """ShapeGAN (VAE): Adam on absolute differences and KL divergence."""
 
     epochs: int = Field(500, ge=1, description="passes over the training split")

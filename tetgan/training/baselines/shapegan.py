@@ -14,8 +14,8 @@ from tetgan.models.baselines.shapegan import RESOLUTIONS, ShapeGanGenerator, Vox
 from tetgan.models.options import ShapeGanOptions
 from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import VoxelData, VoxelSource
-from tetgan.training.baselines.learner import seeded
 from tetgan.training.baselines.options import ShapeGanTraining
+from tetgan.training.kind_learner import seeded
 from tetgan.training.loop import Losses
 from tetgan.training.losses import gradient_penalty
 

@@ -1,4 +1,4 @@
-"""What the loop asks of every baseline in training."""
+"""What the common loop asks of every model in training, TetGAN and DefTet apart."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,16 +8,16 @@ import torch
 from jaxtyping import Int
 from torch import Tensor
 
-from tetgan.models.baselines.implicit import SurfaceModel
+from tetgan.models.generator import LatentModel
 from tetgan.training.loop import Losses
 
 
 @runtime_checkable
-class BaselineLearner(Protocol):
+class KindLearner(Protocol):
     """Networks, optimisers and data of one run."""
 
     @property
-    def generator(self) -> SurfaceModel:
+    def generator(self) -> LatentModel:
         """The model."""
 
     @property

@@ -1,4 +1,4 @@
-"""Stage: points or voxels in, a trained baseline out."""
+"""The loop of every kind of model that has a learner."""
 
 import logging
 import math
@@ -9,73 +9,59 @@ import torch
 from jaxtyping import Int
 from torch import Tensor, nn
 
-from tetgan.fields.samplings import PointStore, VoxelStore
-from tetgan.models.options import ImplicitOptions, OccNetOptions, ShapeGanOptions
+from tetgan.fields.samplings import open_sampling
+from tetgan.grids.hierarchy import GridHierarchy
+from tetgan.models.kinds import kind_of
+from tetgan.models.options import KindOptions
 from tetgan.models.registry import save_generator
-from tetgan.training.baselines.learner import BaselineLearner
-from tetgan.training.baselines.occnet import OccNetLearner
-from tetgan.training.baselines.options import (
-    BaselineTraining,
-    OccNetTraining,
-    ShapeGanTraining,
-    ShapeGanVaeTraining,
-)
-from tetgan.training.baselines.shapegan import ShapeGanLearner
-from tetgan.training.baselines.shapegan_vae import ShapeGanVaeLearner
 from tetgan.training.checkpoint import run_digest
+from tetgan.training.common import CommonTraining
+from tetgan.training.data import open_fields
+from tetgan.training.kind_learner import KindLearner
 from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
 
 log = logging.getLogger(__name__)
 
 
-def train_baseline(
-    index: Path, options: ImplicitOptions, training: BaselineTraining, seed: int, folder: Path
+def train_learner(
+    index: Path, options: KindOptions, training: CommonTraining, seed: int, folder: Path
 ) -> None:
-    """Train a baseline on the training split of an index of points or voxels.
+    """Train the learner of a model's kind on the training split of an index.
 
     One that diverges is no error: the weights of the last epoch without infinities are kept, and
     `options.json` says in which epoch it happened.
 
     Args:
-        index: `index.json` of the sampling that the model names.
+        index: `index.json` of the fields or the sampling that the model names.
         folder: receives `options.json`, `weights.safetensors`, `log.csv`, `events/` and `checkpoint.pt`.
 
     Raises:
         UserError: the index does not hold what the model learns from.
     """
-    learner = build_learner(index, options, training, seed)
-    BaselineTrainer(learner, options, training, seed, folder).run()
+    kind = kind_of(options)
+    store = open_fields(index) if kind.sampling is None else open_sampling(index, kind.sampling["kind"])
+    learner = kind.load("learner")(options, training, store, seed)
+    hierarchy = getattr(store, "hierarchy", None)
+    KindTrainer(learner, options, training, seed, folder, hierarchy=hierarchy).run()
 
 
-def build_learner(
-    index: Path, options: ImplicitOptions, training: BaselineTraining, seed: int
-) -> BaselineLearner:
-    """The networks of a baseline, untrained, and its data."""
-    if isinstance(options, OccNetOptions):
-        assert isinstance(training, OccNetTraining)
-        return OccNetLearner(options, training, PointStore.open(index), seed)
-    if isinstance(options, ShapeGanOptions):
-        assert isinstance(training, ShapeGanTraining)
-        return ShapeGanLearner(options, training, VoxelStore.open(index), seed)
-    assert isinstance(training, ShapeGanVaeTraining)
-    return ShapeGanVaeLearner(options, training, VoxelStore.open(index), seed)
-
-
-class BaselineTrainer(TrainingLoop):
-    """A run of a baseline."""
+class KindTrainer(TrainingLoop):
+    """A run of a learner."""
 
     def __init__(
         self,
-        learner: BaselineLearner,
-        options: ImplicitOptions,
-        training: BaselineTraining,
+        learner: KindLearner,
+        options: KindOptions,
+        training: CommonTraining,
         seed: int,
         folder: Path,
+        *,
+        hierarchy: GridHierarchy | None = None,
     ) -> None:
-        self.learner, self.options, self.training = learner, options, training
+        self.learner, self.options, self.training, self.hierarchy = learner, options, training, hierarchy
         self.columns = ("epoch", "seconds", *learner.losses)
         self.last_finite = LastFinite(learner.generator)
-        own = options.model_dump(exclude={"training"})
+        own = options.model_dump(exclude={"training", "meshing"})
         digests = {
             "options": run_digest(model=own, training=training.model_dump(exclude=WITHOUT_EFFECT), seed=seed),
             "data": learner.data_digest,
@@ -120,6 +106,7 @@ class BaselineTrainer(TrainingLoop):
             self.folder,
             self.learner.generator,
             self.options,
+            self.hierarchy,
             training=self.training.model_dump(mode="json"),
             seed=self.seed,
             minutes=round(self.elapsed() / 60, 2),

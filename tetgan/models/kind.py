@@ -1,0 +1,85 @@
+"""What the pipeline must know of a kind of model: one record, by which everything else finds its way."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import import_module
+from typing import Any, get_args
+
+from tetgan.models.options import KindOptions
+
+Reference = str | Callable[..., Any]
+"""A class or function, or `module:name` of one, which is imported when it is first needed."""
+
+
+@dataclass(frozen=True)
+class ModelKind:
+    """A kind of model. `docs/extending.md` shows one of fields from its options to the table.
+
+    Raises:
+        TypeError: the options lack a field that the pipeline reads.
+    """
+
+    options: type[KindOptions]
+    """An entry of the config under `models`. Its `kind` is a `Literal` of one word, the name."""
+
+    build: Reference | None = None
+    """From options and grid hierarchy an untrained `FieldGenerator`; from options alone a `SurfaceModel`, for
+    kinds that learn from a sampling. None: nothing is trained, as samples are made from another model's."""
+
+    learner: Reference | None = None
+    """From options, training options, store and seed a `KindLearner`, which the common loop trains."""
+
+    train: Reference = "tetgan.training.kind_trainer:train_learner"
+    """From index, options, training options, seed and folder a trained model in the folder."""
+
+    training: Reference = "tetgan.training.common:FieldTraining"
+    """Class of the training options."""
+
+    sampling: Mapping[str, Any] | None = None
+    """Options that a sampling must have to be learned from. None: the kind learns fields on a grid."""
+
+    of: tuple[str, ...] = ()
+    """Kinds of which it needs a trained model on the same grid, which the option `of` names."""
+
+    sizes: Reference = "tetgan.models.sizes:of_grid"
+    """From options, those of grid or sampling, and training options what `Config.reductions` compares."""
+
+    logged: bool = True
+    """Whether its training writes a log, of which there is a curve to draw."""
+
+    def __post_init__(self) -> None:
+        needed = {"kind"} | ({"of"} if self.of or not self.trained else set())
+        if self.trained:
+            needed.add("grid" if self.sampling is None else "sampling")
+        for name in sorted(needed - set(self.options.model_fields)):
+            raise TypeError(f"{self.options.__name__}: a model of this kind needs an option '{name}'")
+        if len(get_args(self.options.model_fields["kind"].annotation)) != 1:
+            raise TypeError(f"{self.options.__name__}.kind: a Literal of one word says the name of the kind")
+
+    @property
+    def name(self) -> str:
+        """What a config calls it."""
+        return str(get_args(self.options.model_fields["kind"].annotation)[0])
+
+    @property
+    def trained(self) -> bool:
+        """Whether there are weights."""
+        return self.build is not None
+
+    @property
+    def modules(self) -> set[str]:
+        """Names of the modules that hold its networks and its training."""
+        references = (self.build, self.learner, self.train)
+        return {_module_of(reference) for reference in references if reference is not None}
+
+    def load(self, part: str) -> Any:
+        """The class or function behind one of the references."""
+        reference = getattr(self, part)
+        if not isinstance(reference, str):
+            return reference
+        module, _, name = reference.partition(":")
+        return getattr(import_module(module), name)
+
+
+def _module_of(reference: Reference) -> str:
+    return reference.partition(":")[0] if isinstance(reference, str) else reference.__module__

@@ -1,0 +1,71 @@
+"""Sizes of models, their data and training, beside those of the paper (docs/fidelity.md)."""
+
+from typing import Any, NamedTuple
+
+from tetgan.fields.options import PointOptions, VoxelOptions
+from tetgan.grids.options import GridOptions
+from tetgan.models.options import OccNetOptions, ShapeGanOptions, ShapeGanVaeOptions, TetganOptions
+from tetgan.options import Options
+
+
+class Size(NamedTuple):
+    """One of ours, and what it is in full: the paper's, or, where no source states it, our own."""
+
+    ours: int
+    full: int
+    stated: bool = True
+
+    def __str__(self) -> str:
+        return f"{self.ours} ({'paper' if self.stated else 'our full run'} {self.full})"
+
+
+Sizes = dict[str, Size]
+
+
+def of_grid(options: Options, grid: GridOptions, training: Any) -> Sizes:
+    """Of a model of fields that the paper says no more of."""
+    return {"depth": Size(grid.depth, 3)}
+
+
+def of_tetgan(options: TetganOptions, grid: GridOptions, training: Any) -> Sizes:
+    """The paper's and its official code's."""
+    return of_grid(options, grid, training) | {
+        "width": Size(options.width, 64),
+        "code": Size(options.code, 512),
+        "local critic width": Size(options.local_critic_width, 16),
+        "global critic width": Size(options.global_critic_width, 64),
+        "epochs": Size(training.epochs, 100),
+        "batch": Size(training.batch_size, 30),
+    }
+
+
+def of_occnet(options: OccNetOptions, sampling: PointOptions, training: Any) -> Sizes:
+    """Its public code's, which trains as long as one likes."""
+    return {
+        "points": Size(sampling.count, 100_000),
+        "points a step": Size(training.points, 2048),
+        "cells a side": Size(options.mise_start * 2**options.mise_steps, 128),
+        "epochs": Size(training.epochs, 1000, stated=False),
+        "batch": Size(training.batch_size, 64),
+    }
+
+
+def of_shapegan(options: ShapeGanOptions, sampling: VoxelOptions, training: Any) -> Sizes:
+    """Its public code's; epochs are those of all stages: 8 voxels a side, 16, ..."""
+    stages = (sampling.resolution // 4).bit_length() - 1
+    epochs = sum(training.epochs) if isinstance(training.epochs, list) else stages * training.epochs
+    return {
+        "voxels a side": Size(sampling.resolution, 64),
+        "cells a side": Size(options.resolution, 64),
+        "epochs": Size(epochs, 1000),
+        "batch": Size(training.batch_size, 16),
+    }
+
+
+def of_shapegan_vae(options: ShapeGanVaeOptions, sampling: VoxelOptions, training: Any) -> Sizes:
+    """Its public code's, which trains as long as one likes."""
+    return {
+        "voxels a side": Size(sampling.resolution, 32),
+        "epochs": Size(training.epochs, 500, stated=False),
+        "batch": Size(training.batch_size, 32),
+    }

@@ -1,0 +1,21 @@
+"""Training of models that are fitted at once, not step by step."""
+
+from pathlib import Path
+from typing import Any
+
+from tetgan.models.options import KindOptions
+from tetgan.models.registry import build_generator, save_generator
+from tetgan.options import Options
+from tetgan.training.data import FieldData, open_fields
+
+
+def fit_model(index: Path, options: KindOptions, training: Options, seed: int, folder: Path) -> None:
+    """Build a model of fields and call its `fit`, which gets a function from a slice of tets to their fields.
+
+    Raises:
+        UserError: there are no training shapes.
+    """
+    store = open_fields(index)
+    generator: Any = build_generator(options, store.hierarchy)
+    generator.fit(FieldData(store, "train").tets)
+    save_generator(folder, generator, options, store.hierarchy)
