@@ -10,6 +10,7 @@ ROOMS = [
     "errors",
     "options",
     "files",
+    "code",
     "shapes",
     "grids",
     "rendering",
@@ -24,7 +25,11 @@ ROOMS = [
     "config",
     "cli",
 ]
-MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.stem not in ("__init__", "__main__"))
+MODULES = sorted(
+    path
+    for path in PACKAGE.rglob("*.py")
+    if path.parent != PACKAGE or path.stem not in ("__init__", "__main__")
+)
 
 
 def imported_names(path: Path) -> set[str]:

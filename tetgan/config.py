@@ -302,7 +302,9 @@ def main() -> None:
     action = parser.add_mutually_exclusive_group(required=True)
     action.add_argument("--write", type=Path, metavar="FILE")
     action.add_argument("--check", type=Path, metavar="FILE")
+    parser.add_argument("--plugin", action="append", default=[], help="module with further kinds of model")
     arguments = parser.parse_args()
+    load_plugins(arguments.plugin)
     if arguments.write:
         arguments.write.write_text(schema_text())
     elif arguments.check.read_text() != schema_text():

@@ -68,8 +68,8 @@ class ModelKind:
 
     @property
     def modules(self) -> set[str]:
-        """Names of the modules that hold its networks and its training."""
-        references = (self.build, self.learner, self.train)
+        """Names of the modules that hold it, its networks and its training."""
+        references = (self.options, self.build, self.learner, self.train)
         return {_module_of(reference) for reference in references if reference is not None}
 
     def load(self, part: str) -> Any:

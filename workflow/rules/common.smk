@@ -5,9 +5,11 @@ import json
 import os
 import shlex
 import sys
+from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
+from tetgan.code import code_digest
 from tetgan.config import Config, load_config
 from tetgan.errors import UserError
 from tetgan.models.kinds import kind_of
@@ -18,7 +20,8 @@ except UserError as error:
     sys.exit(f"error: {error}")
 
 SETTINGS = Config.parse(config)
-os.environ["TETGAN_PLUGINS"] = " ".join(SETTINGS.plugins)  # for the commands of all jobs
+# The commands and scripts of all jobs inherit it.
+os.environ["TETGAN_PLUGINS"] = " ".join(SETTINGS.plugins)
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
 CAPTIONS = (
     Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "report"
@@ -70,6 +73,19 @@ def stage_digest(*rooms):
             name = source.relative_to(package).as_posix()
             digest.update(name.encode() + source.read_bytes())
     return digest.hexdigest()[:12]
+
+
+def model_code(stage, *rooms):
+    """Parameter of a job: digest of the module of a stage and of a model's kind, and of what they import in some rooms.
+
+    So editing one kind of model leaves what was made of the others alone.
+    """
+
+    @cache
+    def digest(model):
+        return code_digest([stage, *KINDS[model].modules], rooms)
+
+    return lambda wildcards: digest(wildcards.model)
 
 
 def section(*keys):

@@ -44,7 +44,9 @@ rule interpolate_shapes:
         model=subpath(input.weights, parent=True),
         latent=section("latent"),
         meshing=meshing_options,
-        code=stage_digest("meshing", "nn", "models", "studies"),
+        code=model_code(
+            "tetgan.studies.interpolation", "meshing", "nn", "models", "studies"
+        ),
     shell:
         "tetgan interpolate {params.model:q} {input.index:q} {output.meshes:q}"
         " --options {params.latent:q} --meshing {params.meshing:q} >{log:q} 2>&1"
@@ -69,7 +71,9 @@ rule add_parts:
         model=subpath(input.weights, parent=True),
         latent=section("latent"),
         meshing=meshing_options,
-        code=stage_digest("meshing", "nn", "models", "studies"),
+        code=model_code(
+            "tetgan.studies.arithmetic", "meshing", "nn", "models", "studies"
+        ),
     shell:
         "tetgan arithmetic {params.model:q} {input.index:q} {output.meshes:q}"
         " --options {params.latent:q} --meshing {params.meshing:q} >{log:q} 2>&1"

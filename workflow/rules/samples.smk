@@ -27,7 +27,7 @@ rule sample_model:
         model=subpath(input.weights, parent=True),
         shapes=config["sampling"]["count"],
         meshing=meshing_options,
-        code=stage_digest("meshing", "nn", "models"),
+        code=model_code("tetgan.models.samples", "meshing", "nn", "models"),
     shell:
         "tetgan sample {params.model:q} {input.index:q} {output.samples:q} --count {params.shapes}"
         " --mode {wildcards.mode} --options {params.meshing:q} --seed {wildcards.seed} --threads {threads}"

@@ -72,7 +72,14 @@ rule measure_smoothing:
         options=section("studies", "smoothing"),
         meshing=section("meshing"),
         evaluation=section("evaluation"),
-        code=stage_digest("meshing", "nn", "models", "evaluation", "studies"),
+        code=model_code(
+            "tetgan.studies.smoothing",
+            "meshing",
+            "nn",
+            "models",
+            "evaluation",
+            "studies",
+        ),
     shell:
         "tetgan smoothing {params.model:q} {input.index:q} {output.study:q} {input.meshes:q}"
         " --clouds {input.clouds:q} --extractor {params.extractor:q} --identity {params.identity:q}"

@@ -28,7 +28,7 @@ rule train_model:
         model=model_options,
         training=training_options,
         of=standing_on,
-        code=stage_digest("nn", "models", "training"),
+        code=model_code("tetgan.training.run", "nn", "models", "training"),
     shell:
         "tetgan train {input.index:q} {params.folder:q} --model {params.model:q}"
         " --training {params.training:q} --seed {wildcards.seed} --threads {threads} {params.of}"
