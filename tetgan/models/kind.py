@@ -41,7 +41,7 @@ class ModelKind:
     of: tuple[str, ...] = ()
     """Kinds of which it needs a trained model on the same grid, which the option `of` names."""
 
-    sizes: Reference = "tetgan.models.sizes:of_grid"
+    sizes: Reference = "tetgan.models.sizes:of_data"
     """From options, those of grid or sampling, and training options what `Config.reductions` compares."""
 
     logged: bool = True

@@ -2,10 +2,15 @@
 
 from typing import Any, NamedTuple
 
-from tetgan.fields.options import PointOptions, VoxelOptions
+from tetgan.fields.options import PointOptions, Sampling, VoxelOptions
 from tetgan.grids.options import GridOptions
-from tetgan.models.options import OccNetOptions, ShapeGanOptions, ShapeGanVaeOptions, TetganOptions
-from tetgan.options import Options
+from tetgan.models.options import (
+    KindOptions,
+    OccNetOptions,
+    ShapeGanOptions,
+    ShapeGanVaeOptions,
+    TetganOptions,
+)
 
 
 class Size(NamedTuple):
@@ -22,14 +27,14 @@ class Size(NamedTuple):
 Sizes = dict[str, Size]
 
 
-def of_grid(options: Options, grid: GridOptions, training: Any) -> Sizes:
-    """Of a model of fields that the paper says no more of."""
-    return {"depth": Size(grid.depth, 3)}
+def of_data(options: KindOptions, data: GridOptions | Sampling, training: Any) -> Sizes:
+    """Of a model of which the paper says nothing, the grid's alone."""
+    return {"depth": Size(data.depth, 3)} if isinstance(data, GridOptions) else {}
 
 
 def of_tetgan(options: TetganOptions, grid: GridOptions, training: Any) -> Sizes:
     """The paper's and its official code's."""
-    return of_grid(options, grid, training) | {
+    return of_data(options, grid, training) | {
         "width": Size(options.width, 64),
         "code": Size(options.code, 512),
         "local critic width": Size(options.local_critic_width, 16),

@@ -1,0 +1,67 @@
+"""The digest of code changes with what a module imports, and with nothing else."""
+
+import sys
+
+import pytest
+
+from tetgan.code import _imported, code_digest
+from tetgan.models.kinds import find_kind
+
+FILES = {
+    "__init__.py": "",
+    "entry.py": "import json\nfrom made_up.near import thing\n",
+    "near.py": "def thing():\n    from . import far\n    return far\n",
+    "far.py": "import numpy\n",
+    "apart.py": "",
+}
+
+
+@pytest.fixture
+def package(tmp_path, monkeypatch):
+    """`entry` imports `near`, which imports `far` within a function; nothing imports `apart`."""
+    folder = tmp_path / "made_up"
+    folder.mkdir()
+    for name, text in FILES.items():
+        (folder / name).write_text(text)
+    monkeypatch.syspath_prepend(tmp_path)
+    return folder
+
+
+def test_what_is_imported_counts_and_nothing_is_executed(package):
+    found = _imported(["made_up.entry"], set())
+    assert set(found) == {"made_up", "made_up.entry", "made_up.near", "made_up.far"}
+    assert "made_up" not in sys.modules
+
+
+@pytest.mark.parametrize(
+    ("name", "counts"), [("entry.py", True), ("near.py", True), ("far.py", True), ("apart.py", False)]
+)
+def test_an_edit_counts_where_the_module_is_imported(package, name, counts):
+    before = code_digest(["made_up.entry"], ())
+    assert code_digest(["made_up.entry"], ()) == before
+    (package / name).write_text(FILES[name] + "# edited\n")
+    assert (code_digest(["made_up.entry"], ()) != before) == counts
+
+
+def test_a_single_module_and_one_that_is_not_there(tmp_path, monkeypatch):
+    (tmp_path / "alone_here.py").write_text("import absent_here\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    assert set(_imported(["alone_here", "absent_here.part"], set())) == {"alone_here"}
+
+
+def behind(kind: str) -> set[str]:
+    modules = ["tetgan.training.run", *find_kind(kind).modules]
+    return set(_imported(modules, {"nn", "models", "training"}))
+
+
+def test_kinds_of_this_package_do_not_depend_on_each_other():
+    tetgan, occnet, pca = map(behind, ("tetgan", "occnet", "pca"))
+    assert {"tetgan.models.tetgan", "tetgan.training.learner", "tetgan.nn.conv"} <= tetgan
+    assert {"tetgan.models.baselines.occnet", "tetgan.training.baselines.occnet"} <= occnet
+    assert not any("occnet" in name or "shapegan" in name or "deftet" in name for name in tetgan | pca)
+    assert not any("tetgan.models.tetgan" in name or "tetgan.nn.conv" in name for name in occnet | pca)
+    assert {"tetgan.models.registry", "tetgan.training.run"} <= tetgan & occnet & pca
+
+
+def test_what_reaches_a_stage_as_its_parameters_does_not_count():
+    assert not any(name.endswith("options") or name.endswith("builtin") for name in behind("tetgan"))
