@@ -1,7 +1,6 @@
 """A split of a field store, held in memory."""
 
 import hashlib
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -9,22 +8,9 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
-from tetgan.errors import UserError
 from tetgan.fields.store import FieldStore
 
 CHUNK = 64  # shapes converted at a time, so that single precision never holds the whole split
-
-
-def open_fields(index: Path) -> FieldStore:
-    """Fields to train on.
-
-    Raises:
-        UserError: the index is missing or malformed, or no shape of it is for training.
-    """
-    store = FieldStore.open(index)
-    if not store.ids("train"):
-        raise UserError(f"{index}: no training shapes; add shapes to the source")
-    return store
 
 
 class FieldData:

@@ -21,10 +21,10 @@ from tetgan.models.tetgan import TetganGenerator
 from tetgan.nn.device import pick_device
 from tetgan.training.average import WeightAverage
 from tetgan.training.checkpoint import run_digest
-from tetgan.training.data import open_fields
 from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
 from tetgan.training.schedule import rate_factor
+from tetgan.training.stores import open_training
 
 Surface = tuple[SurfaceGraph, Float[Tensor, "_n 3"]]
 
@@ -37,7 +37,7 @@ def train_deftet(
     Raises:
         UserError: no training shapes, the training diverges, or `of` holds no TetGAN of this grid.
     """
-    DeftetTrainer(open_fields(index), options, training, seed=seed, of=of, folder=folder).run()
+    DeftetTrainer(open_training(index), options, training, seed=seed, of=of, folder=folder).run()
 
 
 class DeftetTrainer(TrainingLoop):

@@ -6,7 +6,8 @@ from typing import Any
 from tetgan.models.options import KindOptions
 from tetgan.models.registry import build_generator, save_generator
 from tetgan.options import Options
-from tetgan.training.data import FieldData, open_fields
+from tetgan.training.data import FieldData
+from tetgan.training.stores import open_training
 
 
 def fit_model(index: Path, options: KindOptions, training: Options, seed: int, folder: Path) -> None:
@@ -15,7 +16,7 @@ def fit_model(index: Path, options: KindOptions, training: Options, seed: int, f
     Raises:
         UserError: there are no training shapes.
     """
-    store = open_fields(index)
+    store = open_training(index)
     generator: Any = build_generator(options, store.hierarchy)
     generator.fit(FieldData(store, "train").tets)
     save_generator(folder, generator, options, store.hierarchy)

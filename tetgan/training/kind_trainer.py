@@ -16,9 +16,9 @@ from tetgan.models.options import KindOptions
 from tetgan.models.registry import save_generator
 from tetgan.training.checkpoint import run_digest
 from tetgan.training.common import CommonTraining
-from tetgan.training.data import open_fields
 from tetgan.training.kind_learner import KindLearner
 from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
+from tetgan.training.stores import open_training
 
 log = logging.getLogger(__name__)
 
@@ -39,7 +39,7 @@ def train_learner(
         UserError: the index does not hold what the model learns from.
     """
     kind = kind_of(options)
-    store = open_fields(index) if kind.sampling is None else open_sampling(index, kind.sampling["kind"])
+    store = open_training(index) if kind.sampling is None else open_sampling(index, kind.sampling["kind"])
     learner = kind.load("learner")(options, training, store, seed)
     hierarchy = getattr(store, "hierarchy", None)
     KindTrainer(learner, options, training, seed, folder, hierarchy=hierarchy).run()

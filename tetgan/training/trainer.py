@@ -15,7 +15,7 @@ from tetgan.models.options import TetganOptions
 from tetgan.models.registry import save_generator
 from tetgan.nn.device import pick_device
 from tetgan.training.checkpoint import run_digest
-from tetgan.training.data import FieldData, open_fields
+from tetgan.training.data import FieldData
 from tetgan.training.learner import Learner
 from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
@@ -27,6 +27,7 @@ from tetgan.training.schedule import (
     kl_weight,
     rate_factor,
 )
+from tetgan.training.stores import open_training
 from tetgan.training.validation import validate
 
 SOME_SHAPES = 1024  # from which the latent head starts and the prior is fitted, at most
@@ -40,7 +41,7 @@ def train_tetgan(
     Raises:
         UserError: there are no training shapes, or the training diverges.
     """
-    Trainer(open_fields(index), options, training, seed, folder).run()
+    Trainer(open_training(index), options, training, seed, folder).run()
 
 
 class Trainer(TrainingLoop):
