@@ -35,7 +35,13 @@ class Share:
     weight: float
 
 
+def launched_together() -> int:
+    """How many processes `torchrun` started of this command; 1 without it."""
+    return int(os.environ.get("WORLD_SIZE", "1"))
+
+
 def process_count() -> int:
+    """How many train together."""
     return distributed.get_world_size() if distributed.is_initialized() else 1
 
 
@@ -73,7 +79,7 @@ def process_group(device: str) -> Iterator[torch.device]:
     Each of several processes has a GPU of its own. All but the first keep quiet.
     """
     chosen = pick_device(device)
-    if int(os.environ.get("WORLD_SIZE", "1")) == 1:
+    if launched_together() == 1:
         yield chosen
         return
     if chosen.type == "cuda":
@@ -112,10 +118,10 @@ def exchanging(module: nn.Module, wanted: bool) -> Iterator[None]:
 def mean_over_processes(values: Mapping[str, Tensor]) -> dict[str, float | Tensor]:
     """Means of numbers that each process has by the same names."""
     if process_count() == 1:
-        return dict(values)
+        return {**values}
     together = torch.stack(list(values.values()))
     distributed.all_reduce(together)
-    return dict(zip(values, together / process_count(), strict=True))
+    return {**dict(zip(values, together / process_count(), strict=True))}
 
 
 @torch.no_grad()

@@ -27,7 +27,7 @@ from tetgan.training.learner import Learner
 from tetgan.training.loop import WITHOUT_EFFECT, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
 from tetgan.training.pictures import draw_decoded
-from tetgan.training.processes import as_in_first, own_rows, process_group
+from tetgan.training.processes import as_in_first, launched_together, own_rows, process_group
 from tetgan.training.runlog import Losses
 from tetgan.training.schedule import (
     adversarial_step_due,
@@ -60,8 +60,11 @@ def train_model(
         of: folder of the trained TetGAN whose boundary a DefTet moves.
 
     Raises:
-        UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN.
+        UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN, or several
+            processes were started for a model that one trains.
     """
+    if launched_together() > 1 and not isinstance(options, TetganOptions):
+        raise UserError(f"{options.kind}: several processes train a TetGAN alone; start one")  # type: ignore[attr-defined]
     if isinstance(options, ImplicitOptions):
         assert isinstance(training, BaselineTraining)
         train_baseline(index, options, training, seed, out_folder)
