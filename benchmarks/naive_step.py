@@ -1,9 +1,9 @@
-"""One iteration of training as it is written down at first: what the step of `tetgan.training` is measured against.
+"""One iteration of training as it is written down at first: what our step is measured against.
 
-Features are (B, T, C); a convolution pads, indexes, reshapes and multiplies once; normalisation and activation
-are PyTorch's InstanceNorm1d and LeakyReLU; critics see real fields, fakes and those in between one after the
-other, fakes with the graph that made them, and the generator's step fills the critics' gradients as well; Adam
-goes through the parameters one by one. The networks take over the weights of the product's.
+Features are (B, T, C); a convolution pads, indexes, reshapes and multiplies once; normalisation and
+activation are PyTorch's InstanceNorm1d and LeakyReLU; critics see real fields, fakes and those in between one
+after the other, fakes with the graph that made them, and the generator's step fills the critics' gradients as
+well; Adam goes through the parameters one by one. The networks take over the weights of ours.
 """
 
 import numpy as np

@@ -60,8 +60,8 @@ def train_model(
         of: folder of the trained TetGAN whose boundary a DefTet moves.
 
     Raises:
-        UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN, or several
-            processes were started for a model that one trains.
+        UserError: there are no training shapes, or the training diverges, or a DefTet has no TetGAN, or
+            several processes were started for a model that one trains.
     """
     if launched_together() > 1 and not isinstance(options, TetganOptions):
         raise UserError(f"{options.kind}: several processes train a TetGAN alone; start one")  # type: ignore[attr-defined]
