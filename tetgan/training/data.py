@@ -55,7 +55,7 @@ class FieldData(ABC):
         """The network tensor of some shapes, by their place in `ids`."""
 
     @abstractmethod
-    def batches(self, plan: Iterable[Int[Tensor, "B"]]) -> Iterator[Float[Tensor, "B T 4"]]:
+    def batches(self, plan: Iterable[Int[Tensor, "_B"]]) -> Iterator[Float[Tensor, "_B T 4"]]:
         """One batch after the other."""
 
     def _read(self, rows: Iterable[int]) -> PackedFields:
@@ -94,7 +94,7 @@ class ResidentFields(FieldData):
         rows = rows.to(self.device)
         return PackedFields(*(part[rows] for part in self.fields)).unpacked(self.device)
 
-    def batches(self, plan: Iterable[Int[Tensor, "B"]]) -> Iterator[Float[Tensor, "B T 4"]]:
+    def batches(self, plan: Iterable[Int[Tensor, "_B"]]) -> Iterator[Float[Tensor, "_B T 4"]]:
         return map(self.batch, plan)
 
     def tets(self, part: slice) -> Float[np.ndarray, "N t 4"]:
@@ -108,7 +108,7 @@ class StreamedFields(FieldData):
     def batch(self, rows: Int[Tensor, "B"]) -> Float[Tensor, "B T 4"]:
         return self._load(rows).unpacked(self.device)
 
-    def batches(self, plan: Iterable[Int[Tensor, "B"]]) -> Iterator[Float[Tensor, "B T 4"]]:
+    def batches(self, plan: Iterable[Int[Tensor, "_B"]]) -> Iterator[Float[Tensor, "_B T 4"]]:
         waiting: deque[Future[PackedFields]] = deque()
         with ThreadPoolExecutor(1, thread_name_prefix="fields") as reader:
             for rows in plan:
