@@ -31,3 +31,34 @@ def test_a_large_mean_costs_no_digits():
 
 def test_a_constant_channel_becomes_zero():
     assert torch.equal(TetInstanceNorm()(torch.full((10, 1, 2), 3.0)), torch.zeros(10, 1, 2))
+
+
+def test_half_precision_features_are_summed_in_single_precision():
+    # Sums of 4,096 numbers: eight bits of them would be off by far more than the rounding of features.
+    x = (draw(4096, 1, 4) + 3).bfloat16().requires_grad_()
+    exact = x.detach().double().requires_grad_()
+    got, expected = TetInstanceNorm()(x), TetInstanceNorm()(exact)
+    assert got.dtype == torch.bfloat16
+    torch.testing.assert_close(got.double(), expected, rtol=2**-7, atol=2**-7)
+    cotangent = draw(4096, 1, 4)
+    (ours,) = torch.autograd.grad(got, x, cotangent.bfloat16())
+    (theirs,) = torch.autograd.grad(expected, exact, cotangent)
+    torch.testing.assert_close(ours.double(), theirs, rtol=0, atol=2**-5)
+
+
+def test_the_second_derivative_keeps_two_tensors_more():
+    """The incoming gradient and its own; what they are made of is computed again."""
+    kept = set()
+
+    def note(tensor: torch.Tensor) -> torch.Tensor:
+        if tensor.shape == x.shape:
+            kept.add(tensor.untyped_storage().data_ptr())
+        return tensor
+
+    x = draw(40, 2, 3).requires_grad_()
+    with torch.autograd.graph.saved_tensors_hooks(note, lambda tensor: tensor):
+        y = TetInstanceNorm()(x)
+        cotangent = draw(40, 2, 3).requires_grad_()
+        (gradient,) = torch.autograd.grad(y, x, cotangent, create_graph=True)
+        gradient.square().sum()
+    assert kept == {t.untyped_storage().data_ptr() for t in (y, cotangent, gradient)}

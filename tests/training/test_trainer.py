@@ -54,7 +54,7 @@ def rows(folder: Path) -> list[dict[str, str]]:
 def test_overfits_eight_shapes(index):
     options = TetganOptions.parse({"grid": "smoke", "width": 12, "code": 64})
     run = Trainer(FieldStore.open(index), options, brief(learning_rate=3e-3, betas=[0.9, 0.99]), 0, Path())
-    field = run.data.batch(torch.arange(8), run.device)
+    field = run.data.batch(torch.arange(8))
     for step in range(1, 401):
         run.learner.autoencoder_step(field, 0.0, torch.Generator().manual_seed(step))
         if step % 25 == 0 and (iou := reconstruction_iou(run, field)) >= 0.95:

@@ -21,18 +21,24 @@ def train(
     of: Annotated[
         Path | None, typer.Option(help="Folder of the trained TetGAN that a `deftet` stands on.")
     ] = None,
+    processes: Annotated[
+        int, typer.Option(min=0, help="Processes, each with a GPU, that share a TetGAN's batches; 0 means 1.")
+    ] = 1,
 ) -> None:
     """Train a model on the shapes of one category; run again, it goes on where it was stopped.
 
     Example: `tetgan train index.json model --model '{kind: tetgan, grid: LR, width: 16, code: 32}'`
     """
-    from tetgan.models.kinds import ModelOptions
+    from tetgan.models.kinds import ModelOptions, kind_of
     from tetgan.training.kinds import training_class
+    from tetgan.training.processes import relaunch
     from tetgan.training.run import train_model
 
-    use_threads(threads)
     chosen = read_options(ModelOptions, model, "--model")
     options = read_options(training_class(chosen), training, "--training")
+    if kind_of(chosen).shares_batches:
+        relaunch(processes)
+    use_threads(threads)
     train_model(index, chosen, options, seed, folder, of=of)
 
 

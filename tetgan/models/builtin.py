@@ -22,6 +22,7 @@ KINDS = (
         train="tetgan.training.trainer:train_tetgan",
         training="tetgan.training.options:TrainingOptions",
         sizes="tetgan.models.sizes:of_tetgan",
+        shares_batches=True,
     ),
     ModelKind(
         DeftetOptions,

@@ -3,7 +3,7 @@
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from tetgan.models.layers import FIELD_CHANNELS, TetHierarchy, conv_layers, level_widths, tets_first
+from tetgan.models.layers import FIELD_CHANNELS, Stages, TetHierarchy, conv_layers, level_widths, tets_first
 from tetgan.nn.conv import TetConv
 from tetgan.nn.resample import TetPool
 
@@ -38,7 +38,7 @@ class GlobalCritic(nn.Module):
             steps = [channels] + GLOBAL_CONVOLUTIONS * [widths[level]]
             blocks.append(conv_layers(steps, hierarchy.neighbors[level], TetPool() if level > 0 else None))
             channels = widths[level]
-        self.blocks = nn.Sequential(*blocks)
+        self.blocks = Stages(*blocks)
         self.score = nn.Linear(hierarchy.tets[0] * channels, 1)
 
     def forward(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B"]:

@@ -18,7 +18,7 @@ class LatentModel(nn.Module, ABC):
         """Shape of one latent."""
 
     def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
-        """Draws of the prior, N(0, I) if nothing else is said, on the CPU whatever the device."""
+        """Draws of the prior, N(0, I) if nothing else is said; the same numbers whatever the device."""
         return torch.randn(count, *self.latent_shape, generator=generator)
 
 

@@ -44,6 +44,9 @@ class ModelKind:
     sizes: Reference = "tetgan.models.sizes:of_data"
     """From options, those of grid or sampling, and training options what `Config.reductions` compares."""
 
+    shares_batches: bool = False
+    """Whether several processes can train one model together."""
+
     logged: bool = True
     """Whether its training writes a log, of which there is a curve to draw."""
 

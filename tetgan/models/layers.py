@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Literal
 
+import torch
 from jaxtyping import Float
 from torch import Tensor, nn
+from torch.utils.checkpoint import checkpoint
 
 from tetgan.grids.hierarchy import GridHierarchy
 from tetgan.nn.conv import TetConv, TetNeighbors
@@ -51,6 +53,29 @@ def conv_layers(widths: Sequence[int], neighbors: TetNeighbors, pool: TetPool | 
     if pool is not None:
         layers.insert(-1, pool)
     return nn.Sequential(*layers)
+
+
+class Stages(nn.Sequential):
+    """Modules one after the other, whose inner features are computed again for the backward pass if
+    `checkpointing` is set, rather than kept.
+    """
+
+    checkpointing = False
+
+    def forward(self, x: Tensor) -> Tensor:
+        for stage in self:
+            if self.checkpointing and torch.is_grad_enabled():
+                x = checkpoint(stage, x, use_reentrant=False, preserve_rng_state=False)
+            else:
+                x = stage(x)
+        return x
+
+
+def use_checkpointing(module: nn.Module) -> None:
+    """Set it in all stages of a network."""
+    for part in module.modules():
+        if isinstance(part, Stages):
+            part.checkpointing = True
 
 
 def tets_first(field: Float[Tensor, "B T C"]) -> Float[Tensor, "T B C"]:

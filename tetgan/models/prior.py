@@ -39,7 +39,8 @@ class FittedPrior(nn.Module):
         self.noise.copy_(variances.flatten(1).mean(dim=0).sqrt())
 
     def sample(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
-        """Draws, on the CPU so that they do not depend on the device."""
-        together = torch.randn(count, RANK, generator=generator) @ self.directions.cpu()
-        apart = torch.randn(count, len(self.mean), generator=generator) * self.noise.cpu()
-        return (self.mean.cpu() + together + apart).view(count, *self.latent_shape)
+        """Draws on the device of this module, of numbers from the CPU so that they do not depend on it."""
+        device = self.mean.device
+        together = torch.randn(count, RANK, generator=generator).to(device) @ self.directions
+        apart = torch.randn(count, len(self.mean), generator=generator).to(device) * self.noise
+        return (self.mean + together + apart).view(count, *self.latent_shape)

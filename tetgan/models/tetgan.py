@@ -11,7 +11,14 @@ from torch.nn import functional
 
 from tetgan.grids.hierarchy import GridHierarchy
 from tetgan.models.generator import FieldGenerator
-from tetgan.models.layers import FIELD_CHANNELS, TetHierarchy, conv_layers, level_widths, tets_first
+from tetgan.models.layers import (
+    FIELD_CHANNELS,
+    Stages,
+    TetHierarchy,
+    conv_layers,
+    level_widths,
+    tets_first,
+)
 from tetgan.models.options import TetganOptions
 from tetgan.models.prior import FittedPrior
 from tetgan.nn.conv import TetConv, TetNeighbors
@@ -39,7 +46,7 @@ class Encoder(nn.Module):
             pooling = TetPool(pool) if level > 0 else None
             blocks.append(conv_layers(steps, hierarchy.neighbors[level], pooling))
             channels = widths[level]
-        self.blocks = nn.Sequential(*blocks)
+        self.blocks = Stages(*blocks)
 
     def forward(self, x: Float[Tensor, "T B F"]) -> Float[Tensor, "K B C"]:
         return self.blocks(x)
@@ -59,7 +66,7 @@ class Decoder(nn.Module):
             layers += [conv_layers(steps, hierarchy.neighbors[level]), hierarchy.upsamplings[level]]
         layers.append(conv_layers(CONVOLUTIONS * [widths[-1]], hierarchy.neighbors[-1]))
         layers.append(TetConv(widths[-1], channels, hierarchy.neighbors[-1]))
-        self.layers = nn.Sequential(*layers)
+        self.layers = Stages(*layers)
 
     def forward(self, x: Float[Tensor, "K B C"]) -> Float[Tensor, "T B F"]:
         return self.layers(x)

@@ -1,48 +1,140 @@
-"""A split of a field store, held in memory."""
+"""A split of a field store as batches on a device: all of it kept there, or read from disk ahead of use."""
 
 import hashlib
-from typing import Literal
+import os
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from functools import cached_property
+from typing import Literal, NamedTuple
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Float16, Int
 from torch import Tensor
 
+from tetgan.fields.dataset import Split
 from tetgan.fields.store import FieldStore
 
 CHUNK = 64  # shapes converted at a time, so that single precision never holds the whole split
+AHEAD = 2  # batches read before they are asked for
+LARGEST_SHARE = 0.25  # of the device's memory that fields may take up
+
+CPU = torch.device("cpu")
+Placement = Literal["auto", "resident", "streamed"]
 
 
-class FieldData:
-    """The fields of one split: a byte and three half-precision numbers a tet."""
+class PackedFields(NamedTuple):
+    """Fields as they are kept and moved: a byte and three half-precision numbers a tet."""
 
-    def __init__(self, store: FieldStore, split: Literal["train", "validation"]) -> None:
-        self.ids = store.ids(split)
-        occupancy, displacement = [], []
-        for start in range(0, len(self.ids), CHUNK):
-            chunk = torch.from_numpy(store.tensor(self.ids[start : start + CHUNK]))
-            occupancy.append(chunk[..., 0] > 0.5)
-            displacement.append(chunk[..., 1:].half())
-        self.occupancy = torch.cat(occupancy) if occupancy else torch.empty(0, 0, dtype=torch.bool)
-        self.displacement = torch.cat(displacement) if displacement else torch.empty(0, 0, 3).half()
+    occupancy: Bool[Tensor, "B T"]
+    displacement: Float16[Tensor, "B T 3"]
+
+    def pinned(self) -> "PackedFields":
+        """In memory that a GPU reads by itself."""
+        return PackedFields(*(part.pin_memory() for part in self))
+
+    def unpacked(self, device: torch.device) -> Float[Tensor, "B T 4"]:
+        """What the networks read, on their device; a GPU fetches it from pinned memory in its own time."""
+        occupancy, displacement = (part.to(device, non_blocking=True) for part in self)
+        return torch.cat([occupancy[..., None].float(), displacement.float()], dim=-1)
+
+
+class FieldData(ABC):
+    """The fields of one split."""
+
+    def __init__(self, store: FieldStore, split: Split, device: torch.device = CPU) -> None:
+        self.store, self.device, self.ids = store, device, store.ids(split)
 
     def __len__(self) -> int:
         return len(self.ids)
 
-    def batch(self, rows: Int[Tensor, "B"], device: torch.device) -> Float[Tensor, "B T 4"]:
+    @abstractmethod
+    def batch(self, rows: Int[Tensor, "B"]) -> Float[Tensor, "B T 4"]:
         """The network tensor of some shapes, by their place in `ids`."""
-        occupancy = self.occupancy[rows].to(device).float()
-        return torch.cat([occupancy[..., None], self.displacement[rows].to(device).float()], dim=-1)
 
-    def tets(self, part: slice) -> Float[np.ndarray, "N t 4"]:
-        """All shapes, but some tets only."""
-        occupancy = self.occupancy[:, part, None].numpy().astype(np.float32)
-        return np.concatenate([occupancy, self.displacement[:, part].numpy().astype(np.float32)], axis=-1)
+    @abstractmethod
+    def batches(self, plan: Iterable[Int[Tensor, "_B"]]) -> Iterator[Float[Tensor, "_B T 4"]]:
+        """One batch after the other."""
 
-    @property
+    def _read(self, rows: Iterable[int]) -> PackedFields:
+        tensor = torch.from_numpy(self.store.tensor([self.ids[row] for row in rows]))
+        return PackedFields(tensor[..., 0] > 0.5, tensor[..., 1:].half())
+
+    def _chunks(self) -> Iterator[PackedFields]:
+        for start in range(0, len(self.ids), CHUNK):
+            yield self._read(range(start, min(start + CHUNK, len(self.ids))))
+
+    @cached_property
     def digest(self) -> str:
         """SHA-256 of ids and fields."""
         sha = hashlib.sha256("\n".join(self.ids).encode())
-        for array in (self.occupancy, self.displacement):
-            sha.update(np.ascontiguousarray(array.numpy()).data)
+        for chunk in self._chunks():
+            for array in chunk:
+                sha.update(np.ascontiguousarray(array.numpy()).data)
         return sha.hexdigest()
+
+
+class ResidentFields(FieldData):
+    """Fields that stay in the memory of the device."""
+
+    def __init__(self, store: FieldStore, split: Split, device: torch.device = CPU) -> None:
+        super().__init__(store, split, device)
+        chunks = list(super()._chunks())
+        empty = PackedFields(torch.empty(0, 0, dtype=torch.bool), torch.empty(0, 0, 3).half())
+        parts = zip(*chunks, strict=True) if chunks else ((part,) for part in empty)
+        self.fields = PackedFields(*(torch.cat(part).to(device) for part in parts))
+
+    def _chunks(self) -> Iterator[PackedFields]:
+        for occupancy, displacement in zip(*(part.split(CHUNK) for part in self.fields), strict=True):
+            yield PackedFields(occupancy.cpu(), displacement.cpu())
+
+    def batch(self, rows: Int[Tensor, "B"]) -> Float[Tensor, "B T 4"]:
+        rows = rows.to(self.device)
+        return PackedFields(*(part[rows] for part in self.fields)).unpacked(self.device)
+
+    def batches(self, plan: Iterable[Int[Tensor, "_B"]]) -> Iterator[Float[Tensor, "_B T 4"]]:
+        return map(self.batch, plan)
+
+    def tets(self, part: slice) -> Float[np.ndarray, "N t 4"]:
+        """All shapes, but some tets only."""
+        return PackedFields(*(values[:, part] for values in self.fields)).unpacked(CPU).numpy()
+
+
+class StreamedFields(FieldData):
+    """Fields that stay on disk; a thread reads the next batches while the device works on this one."""
+
+    def batch(self, rows: Int[Tensor, "B"]) -> Float[Tensor, "B T 4"]:
+        return self._load(rows).unpacked(self.device)
+
+    def batches(self, plan: Iterable[Int[Tensor, "_B"]]) -> Iterator[Float[Tensor, "_B T 4"]]:
+        waiting: deque[Future[PackedFields]] = deque()
+        with ThreadPoolExecutor(1, thread_name_prefix="fields") as reader:
+            for rows in plan:
+                waiting.append(reader.submit(self._load, rows))
+                if len(waiting) > AHEAD:
+                    yield waiting.popleft().result().unpacked(self.device)
+            while waiting:
+                yield waiting.popleft().result().unpacked(self.device)
+
+    def _load(self, rows: Int[Tensor, "B"]) -> PackedFields:
+        fields = self._read(rows.tolist())
+        return fields.pinned() if self.device.type == "cuda" else fields
+
+
+def open_fields(store: FieldStore, split: Split, device: torch.device, placement: Placement) -> FieldData:
+    """The fields of a split; `auto` keeps them on the device where they take up a quarter of it at most."""
+    if placement == "auto":
+        tets = len(store.hierarchy.finest.tets)
+        needed = len(store.ids(split)) * tets * (1 + 3 * 2)
+        placement = "resident" if needed <= LARGEST_SHARE * _memory(device) else "streamed"
+    kind = ResidentFields if placement == "resident" else StreamedFields
+    return kind(store, split, device)
+
+
+def _memory(device: torch.device) -> int:
+    """Bytes of the device."""
+    if device.type == "cuda":
+        return torch.cuda.get_device_properties(device).total_memory
+    return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")

@@ -21,8 +21,9 @@ from tetgan.models.tetgan import TetganGenerator
 from tetgan.nn.device import pick_device
 from tetgan.training.average import WeightAverage
 from tetgan.training.checkpoint import run_digest
-from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
+from tetgan.training.loop import WITHOUT_EFFECT, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
+from tetgan.training.runlog import Losses
 from tetgan.training.schedule import rate_factor
 from tetgan.training.stores import open_training
 

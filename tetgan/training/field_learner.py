@@ -14,9 +14,9 @@ from tetgan.models.registry import build_generator
 from tetgan.nn.device import pick_device
 from tetgan.training.checkpoint import run_digest
 from tetgan.training.common import FieldTraining
-from tetgan.training.data import FieldData
+from tetgan.training.data import open_fields
 from tetgan.training.kind_learner import seeded
-from tetgan.training.loop import Losses
+from tetgan.training.runlog import Losses
 
 
 class FieldLearner(ABC):
@@ -28,7 +28,9 @@ class FieldLearner(ABC):
     def __init__(self, options: KindOptions, training: FieldTraining, store: FieldStore, seed: int) -> None:
         self.epochs, self.batch_size = training.epochs, training.batch_size
         self.device = pick_device(training.device)
-        self.data, self.held_out = FieldData(store, "train"), FieldData(store, "validation")
+        self.data, self.held_out = (
+            open_fields(store, split, self.device, "auto") for split in ("train", "validation")
+        )
         self.data_digest = run_digest(grid=store.hierarchy.digest, train=self.data.digest)
         with seeded(seed):
             self.generator = build_generator(options, store.hierarchy).to(self.device)
@@ -48,11 +50,11 @@ class FieldLearner(ABC):
 
     def take_step(self, rows: Int[Tensor, "B"], step: int, epoch: float, draws: torch.Generator) -> Losses:
         """One step of Adam."""
-        terms = self.loss(self.data.batch(rows, self.device), draws)
+        terms = self.loss(self.data.batch(rows), draws)
         self.optimizer.zero_grad()
         torch.stack(list(terms.values())).sum().backward()
         self.optimizer.step()
-        return {name: float(term.detach()) for name, term in terms.items()}
+        return {name: term.detach() for name, term in terms.items()}
 
     @torch.no_grad()
     def validate(self) -> dict[str, float]:
@@ -61,10 +63,10 @@ class FieldLearner(ABC):
             return {}
         total = 0.0
         for rows in torch.arange(len(self.held_out)).split(self.batch_size):
-            field = self.held_out.batch(rows, self.device)
+            field = self.held_out.batch(rows)
             decoded = self.generator.decode(self.generator.encode(field))
-            inside = (decoded[..., 0] > 0).cpu().numpy()
-            total += float(occupancy_iou(inside, self.held_out.occupancy[rows].numpy()).sum())
+            inside, true = (decoded[..., 0] > 0).cpu().numpy(), (field[..., 0] > 0.5).cpu().numpy()
+            total += float(occupancy_iou(inside, true).sum())
         return {"validation_iou": total / len(self.held_out)}
 
     def parts(self) -> dict[str, Any]:

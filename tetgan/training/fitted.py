@@ -6,7 +6,7 @@ from typing import Any
 from tetgan.models.options import KindOptions
 from tetgan.models.registry import build_generator, save_generator
 from tetgan.options import Options
-from tetgan.training.data import FieldData
+from tetgan.training.data import ResidentFields
 from tetgan.training.stores import open_training
 
 
@@ -18,5 +18,5 @@ def fit_model(index: Path, options: KindOptions, training: Options, seed: int, f
     """
     store = open_training(index)
     generator: Any = build_generator(options, store.hierarchy)
-    generator.fit(FieldData(store, "train").tets)
+    generator.fit(ResidentFields(store, "train").tets)
     save_generator(folder, generator, options, store.hierarchy)

@@ -9,7 +9,7 @@ from jaxtyping import Int
 from torch import Tensor
 
 from tetgan.models.generator import LatentModel
-from tetgan.training.loop import Losses
+from tetgan.training.runlog import Losses
 
 
 @runtime_checkable

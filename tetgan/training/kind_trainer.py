@@ -17,7 +17,8 @@ from tetgan.models.registry import save_generator
 from tetgan.training.checkpoint import run_digest
 from tetgan.training.common import CommonTraining
 from tetgan.training.kind_learner import KindLearner
-from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
+from tetgan.training.loop import WITHOUT_EFFECT, TrainingLoop, step_draws
+from tetgan.training.runlog import Losses
 from tetgan.training.stores import open_training
 
 log = logging.getLogger(__name__)

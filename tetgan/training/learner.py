@@ -1,8 +1,7 @@
 """The networks, their optimisers, and the three kinds of step."""
 
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, NamedTuple
 
 import torch
 from jaxtyping import Float
@@ -11,23 +10,27 @@ from torch import Tensor, nn
 
 from tetgan.grids.hierarchy import GridHierarchy
 from tetgan.models.critics import GlobalCritic, LocalCritic
+from tetgan.models.layers import use_checkpointing
 from tetgan.models.options import TetganOptions
 from tetgan.models.tetgan import TetganGenerator
 from tetgan.nn.rows import RowMap
 from tetgan.training.average import WeightAverage
-from tetgan.training.loop import Losses
-from tetgan.training.losses import (
-    as_seen_by_critics,
-    displacement_loss,
-    gradient_penalty,
-    kl_divergence,
-    occupancy_loss,
-)
+from tetgan.training.objectives import Objectives
 from tetgan.training.options import TrainingOptions
+from tetgan.training.processes import Share, exchanging, joined, mean_over_processes, shares
+from tetgan.training.runlog import Losses
 
 BYPASS_NOISE = (
     0.3  # of features whose deviation is near 1: what a bottleneck loses, the decoder must not need
 )
+
+
+class Term(NamedTuple):
+    """A part of what a step makes smaller: an objective, what it is of, and its weight."""
+
+    weight: float
+    kind: str
+    inputs: tuple[Any, ...]
 
 
 class Learner:
@@ -53,14 +56,14 @@ class Learner:
             self.generator = TetganGenerator(options, hierarchy).to(device)
             self.critics = self._build_critics(options).to(device)
         self.vertices = RowMap(vertex_operator).to(device)
-        self.optimizer = torch.optim.Adam(
-            self.generator.parameters(), training.learning_rate, betas=training.betas
-        )
+        self.objectives = Objectives(self.generator, self.critics, self.vertices, training)
+        if training.checkpointing:
+            use_checkpointing(self.objectives)
+        self._joined = joined(self.objectives)
+        self.optimizer = self._adam(self.generator, training.learning_rate)
         self.critic_optimizer = None
         if len(self.critics) > 0:
-            self.critic_optimizer = torch.optim.Adam(
-                self.critics.parameters(), training.critic_learning_rate, betas=training.betas
-            )
+            self.critic_optimizer = self._adam(self.critics, training.critic_learning_rate)
         self.average = WeightAverage(self.generator, training.ema)
 
     def _build_critics(self, options: TetganOptions) -> nn.ModuleDict:
@@ -71,27 +74,45 @@ class Learner:
             critics["global"] = GlobalCritic(maps, options.global_critic_width)
         return critics
 
+    def _adam(self, module: nn.Module, rate: float) -> torch.optim.Adam:
+        """Fused: one pass over all weights and moments."""
+        return torch.optim.Adam(module.parameters(), rate, betas=self.training.betas, fused=True)
+
     def set_rate(self, factor: float) -> None:
         """Scale the autoencoder's step size; late critics learn at their full rate."""
         self.optimizer.param_groups[0]["lr"] = self.training.learning_rate * factor
 
     def autoencoder_step(
-        self, field: Float[Tensor, "B T 4"], kl_weight: float, draws: torch.Generator
+        self,
+        field: Float[Tensor, "B T 4"],
+        kl_weight: float,
+        draws: torch.Generator,
+        *,
+        of: int | None = None,
     ) -> Losses:
-        """Encode, draw from the posterior, decode, compare; one Adam step on both halves."""
-        with self._precision():
-            mean, log_variance = self.generator.posterior(field)
-            decoded = self.generator.decode(mean + (0.5 * log_variance).exp() * self._noise(mean, draws))
-        kl = kl_divergence(mean, log_variance)
-        losses = self._reconstruct(decoded, field, kl_weight * kl)
-        return losses | {"kl": float(kl.detach())}
+        """Encode, draw from the posterior, decode, compare; one Adam step on both halves.
 
-    def bypass_step(self, field: Float[Tensor, "B T 4"], draws: torch.Generator) -> Losses:
+        Here and below, where several processes share a batch, `field` is this one's part of one `of` so many
+        shapes.
+        """
+        count = of or len(field)
+        noise = torch.randn(count, *self.generator.latent_shape, generator=draws)
+        return self._step_autoencoder(
+            Term(share.weight, "autoencoder", (field[share.own], self._put(noise[share.rows]), kl_weight))
+            for share in self._shares(count)
+        )
+
+    def bypass_step(
+        self, field: Float[Tensor, "B T 4"], draws: torch.Generator, *, of: int | None = None
+    ) -> Losses:
         """The same around the latent head: features, with some noise, go straight to the decoder."""
-        with self._precision():
-            features = self.generator.features(field)
-            decoded = self.generator.decode_features(features + BYPASS_NOISE * self._noise(features, draws))
-        return self._reconstruct(decoded, field, torch.zeros((), device=self.device))
+        count = of or len(field)
+        tets, channels = self.generator.head.unfolded
+        noise = BYPASS_NOISE * torch.randn(tets, count, channels, generator=draws)
+        return self._step_autoencoder(
+            Term(share.weight, "bypass", (field[share.own], self._put(noise[:, share.rows])))
+            for share in self._shares(count)
+        )
 
     @torch.no_grad()
     def start_head(self, fields: Iterable[Float[Tensor, "B T 4"]]) -> None:
@@ -107,38 +128,24 @@ class Learner:
             means, log_variances = zip(*map(self.generator.posterior, fields), strict=True)
             self.generator.prior.fit(torch.cat(means), torch.cat(log_variances).exp())
 
-    def _reconstruct(
-        self, decoded: Float[Tensor, "B T 4"], field: Float[Tensor, "B T 4"], further: Float[Tensor, ""]
+    def critic_step(
+        self, field: Float[Tensor, "B T 4"], draws: torch.Generator, *, of: int | None = None
     ) -> Losses:
-        """One Adam step towards a better reconstruction and a smaller `further` loss."""
-        losses = {
-            "occupancy_loss": occupancy_loss(decoded, field, self.training.positive_weight),
-            "displacement_loss": displacement_loss(
-                self.generator.in_range(decoded), self.generator.in_range(field), self.vertices
-            ),
-        }
-        weighted = self.training.displacement_weight * losses["displacement_loss"]
-        self._step_generator(losses["occupancy_loss"] + weighted + further)
-        self.average.update()
-        return {name: float(loss.detach()) for name, loss in losses.items()}
-
-    def critic_step(self, real: Float[Tensor, "B T 4"], draws: torch.Generator) -> Losses:
         """One WGAN-GP step of both critics: score real fields above decoded draws of the prior."""
         assert self.critic_optimizer is not None
+        count = of or len(field)
+        cut = self._shares(count)
+        latent, mix = self.generator.sample_latent(count, draws), torch.rand(count, generator=draws)
         with torch.no_grad():
-            fake = self._fake(len(real), draws)
-        real = self.generator.in_range(real)
-        share = torch.rand(len(real), generator=draws).to(self.device)
-        losses, total = {}, torch.zeros((), device=self.device)
-        for name, critic in self.critics.items():
-            with self._precision():
-                on_real, on_fake = critic(torch.cat([real, fake])).chunk(2)
-                penalty = gradient_penalty(critic, real, fake, share)
-            gap = (on_real - on_fake).mean()
-            total = total - gap + self.training.gradient_penalty * penalty
-            losses[f"{name}_gap"], losses[f"{name}_penalty"] = float(gap.detach()), float(penalty.detach())
-        self.critic_optimizer.zero_grad()
-        total.backward()
+            fake = torch.cat([self.objectives.decoded_as_seen(self._put(latent[s.rows])) for s in cut])
+        real = self.generator.in_range(field)
+        terms = []
+        for share in cut:
+            pair = real[share.own], fake[share.own]
+            for name in self.critics:
+                terms.append(Term(share.weight, "gap", (name, *pair)))
+                terms.append(Term(share.weight, "penalty", (name, *pair, self._put(mix[share.rows]))))
+        losses = self._differentiate(self.critic_optimizer, terms)
         self.critic_optimizer.step()
         return losses
 
@@ -147,39 +154,47 @@ class Learner:
 
         Towards lower ones of a critic whose weight is negative, as in the official code.
         """
+        latent = self.generator.sample_latent(count, draws)
         self.critics.requires_grad_(False)
-        fake = self._fake(count, draws)
-        total = torch.zeros((), device=self.device)
-        for name, critic in self.critics.items():
-            with self._precision():
-                score = critic(fake).mean()
-            total = total - getattr(self.training, f"{name}_weight") * score
-        self._step_generator(total)
+        losses = self._step_generator(
+            Term(share.weight, "adversarial", (self._put(latent[share.rows]),))
+            for share in self._shares(count)
+        )
         self.critics.requires_grad_(True)
-        return {"adversarial_loss": float(total.detach())}
+        return losses
 
-    def _fake(self, count: int, draws: torch.Generator) -> Float[Tensor, "B T 4"]:
-        latent = self.generator.sample_latent(count, draws).to(self.device)
-        with self._precision():
-            decoded = self.generator.decode(latent)
-        return as_seen_by_critics(self.generator.in_range(decoded))
+    def _shares(self, count: int) -> list[Share]:
+        return shares(count, self.training.accumulate)
 
-    def _noise(self, like: Tensor, draws: torch.Generator) -> Tensor:
-        """Standard normal, drawn on the CPU so that it does not depend on the device."""
-        return torch.randn(like.shape, generator=draws).to(self.device)
+    def _put(self, values: Tensor) -> Tensor:
+        """Move what was drawn on the CPU, so that it does not depend on the device, without waiting."""
+        if self.device.type == "cuda" and values.device.type == "cpu":
+            values = values.pin_memory()
+        return values.to(self.device, non_blocking=True)
 
-    def _step_generator(self, loss: Tensor) -> None:
-        self.optimizer.zero_grad()
-        loss.backward()
+    def _step_autoencoder(self, terms: Iterable[Term]) -> Losses:
+        losses = self._step_generator(terms)
+        self.average.update()
+        return losses
+
+    def _step_generator(self, terms: Iterable[Term]) -> Losses:
+        losses = self._differentiate(self.optimizer, terms)
         if self.training.gradient_clip is not None:
             nn.utils.clip_grad_norm_(self.generator.parameters(), self.training.gradient_clip)
         self.optimizer.step()
+        return losses
 
-    @contextmanager
-    def _precision(self) -> Iterator[None]:
-        half = self.training.precision == "bf16"
-        with torch.autocast(self.device.type, torch.bfloat16, enabled=half):
-            yield
+    def _differentiate(self, optimizer: torch.optim.Optimizer, terms: Iterable[Term]) -> Losses:
+        """Gradients of a sum of terms, one after the other: the graph of one is in memory at a time."""
+        optimizer.zero_grad()
+        listed, losses = list(terms), dict[str, Tensor]()
+        for term in listed:
+            with exchanging(self._joined, term is listed[-1]):
+                loss, parts = self._joined(term.kind, *term.inputs)
+                (term.weight * loss).backward()
+            for name, value in parts.items():
+                losses[name] = losses.get(name, 0) + term.weight * value.detach()
+        return mean_over_processes(losses)
 
     def parts(self) -> dict[str, Any]:
         """Everything that a checkpoint must hold."""

@@ -14,21 +14,24 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from tetgan.training.checkpoint import load_checkpoint, save_checkpoint
-from tetgan.training.runlog import COLUMNS, RunLog
+from tetgan.training.processes import process_place
+from tetgan.training.runlog import COLUMNS, Losses, RunLog
 
 log = logging.getLogger(__name__)
 
-Losses = dict[str, float]
-
-# Options that may change between a run and its resumption: the weights do not depend on them.
-WITHOUT_EFFECT = {"device", "validate_every", "picture_every", "checkpoint_seconds"}
+# Options that may change between a run and its resumption: the weights depend on them by rounding at most.
+WITHOUT_EFFECT = {
+    *("device", "accumulate", "checkpointing", "fields"),
+    *("validate_every", "picture_every", "checkpoint_seconds"),
+}
 
 
 class TrainingLoop(ABC):
     """One run. A subclass says what a step of its model is, what a checkpoint must hold, and how it ends.
 
     A step depends on nothing but those parts and the generator that it is given, so a run that was killed
-    goes on from its checkpoint as if nothing had been.
+    goes on from its checkpoint as if nothing had been. Of several processes that train together each runs
+    this loop, and the first alone writes.
     """
 
     columns: tuple[str, ...] = COLUMNS
@@ -69,7 +72,8 @@ class TrainingLoop(ABC):
     def run(self) -> None:
         """Train to the end, from the checkpoint if there is one of this very run."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        self.log = RunLog(self.folder, self.columns)
+        self.first = process_place() == 0
+        self.log = RunLog(self.folder, self.columns, writes=self.first)
         self._resume()
         self._saved = self._started = time.monotonic()
         with _deterministic(), self._progress() as advance:
@@ -78,10 +82,11 @@ class TrainingLoop(ABC):
                 advance()
                 if self.step % self.steps_per_epoch == 0:
                     self.finish_epoch(self.step // self.steps_per_epoch)
-                if time.monotonic() - self._saved >= self.checkpoint_seconds:
+                if self.first and time.monotonic() - self._saved >= self.checkpoint_seconds:
                     self._checkpoint()
-        self.save()
-        self._checkpoint(finished=True)
+        if self.first:
+            self.save()
+            self._checkpoint(finished=True)
         self.log.close()
 
     def elapsed(self) -> float:
@@ -111,7 +116,7 @@ class TrainingLoop(ABC):
     @contextmanager
     def _progress(self) -> Iterator[Any]:
         columns = TextColumn("training"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
-        with Progress(*columns, console=Console(stderr=True)) as bar:
+        with Progress(*columns, console=Console(stderr=True, quiet=not self.first)) as bar:
             task = bar.add_task("training", total=self.steps, completed=self.step)
             yield lambda: bar.advance(task)
 

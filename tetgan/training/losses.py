@@ -15,7 +15,7 @@ def occupancy_loss(
     decoded: Float[Tensor, "B T 4"], field: Float[Tensor, "B T 4"], positive_weight: float
 ) -> Float[Tensor, ""]:
     """Binary cross-entropy; occupied tets count `positive_weight` times."""
-    weight = torch.tensor(positive_weight, device=decoded.device)
+    weight = decoded.new_full((), positive_weight)
     return functional.binary_cross_entropy_with_logits(decoded[..., 0], field[..., 0], pos_weight=weight)
 
 

@@ -62,7 +62,23 @@ class TrainingOptions(Options):
     device: Literal["auto", "cpu", "cuda"] = Field(
         "auto", description="where to train; auto: CUDA if present"
     )
-    precision: Literal["fp32", "bf16"] = Field("fp32", description="number format of the convolutions")
+    precision: Literal["fp32", "bf16"] = Field(
+        "fp32",
+        description="number format of the networks; bf16 leaves statistics, losses and the penalty in "
+        "single precision, and is slow on most CPUs",
+    )
+    accumulate: int = Field(
+        1, ge=1, description="parts that a batch is computed in, one after the other, to save memory"
+    )
+    checkpointing: bool = Field(
+        False,
+        description="compute features again for the backward pass rather than keep them, to save memory",
+    )
+    fields: Literal["auto", "resident", "streamed"] = Field(
+        "auto",
+        description="fields stay in the device's memory (resident) or are read from disk ahead of use "
+        "(streamed); auto: resident where they take up a quarter of that memory at most",
+    )
     validate_every: int = Field(10, ge=1, description="epochs between two validation rows of the log")
     picture_every: int = Field(50, ge=1, description="epochs between two pictures of decoded shapes")
     checkpoint_seconds: float = Field(120.0, ge=0, description="least time between two checkpoints")

@@ -6,6 +6,7 @@ from tetgan.errors import UserError
 from tetgan.models.kinds import kind_of
 from tetgan.models.options import KindOptions
 from tetgan.options import Options
+from tetgan.training.processes import launched_together
 
 
 def train_model(
@@ -27,7 +28,8 @@ def train_model(
         of: folder of the trained model that this one stands on, as a DefTet does on a TetGAN.
 
     Raises:
-        UserError: the index is no such data, or has no training shapes; `of` is missing or not needed.
+        UserError: the index is no such data, or has no training shapes; `of` is missing or not needed;
+            several processes were started for a model that one trains.
     """
     kind = kind_of(options)
     if not kind.trained:
@@ -37,5 +39,7 @@ def train_model(
         raise UserError(f"--of: '{kind.name}' needs the folder of the trained model ({others}) it stands on")
     if of is not None and not kind.of:
         raise UserError(f"--of: a model of kind '{kind.name}' stands on no other")
+    if launched_together() > 1 and not kind.shares_batches:
+        raise UserError(f"{kind.name}: several processes cannot train one such model together; start one")
     further = {} if of is None else {"of": of}
     kind.load("train")(index, options, training, seed, out_folder, **further)

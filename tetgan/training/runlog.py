@@ -6,6 +6,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
+from torch import Tensor
 from torch.utils.tensorboard import SummaryWriter
 
 from tetgan.files import whole_file
@@ -16,33 +17,36 @@ COLUMNS = (
     *("validation_iou", "validation_occupancy_loss", "validation_displacement_loss"),
 )
 Row = dict[str, float | int]
+Losses = dict[str, float | Tensor]
+"""Numbers of a step by name; tensors stay where they are, so that nobody waits for them."""
 
 
 class RunLog:
-    """Rows of finished epochs, and sums of the one under way."""
+    """Rows of finished epochs, and sums of the one under way; on disk too, if it `writes`."""
 
-    def __init__(self, folder: Path, columns: tuple[str, ...] = COLUMNS) -> None:
+    def __init__(self, folder: Path, columns: tuple[str, ...] = COLUMNS, writes: bool = True) -> None:
         self.folder, self.columns = folder, columns
         self.rows: list[Row] = []
-        self.sums: dict[str, list[float]] = defaultdict(lambda: [0.0, 0.0])
-        self._writer = SummaryWriter(str(folder / "events"))
+        self.sums: dict[str, list[Any]] = defaultdict(lambda: [0.0, 0])
+        self._writer = SummaryWriter(str(folder / "events")) if writes else None
 
-    def add(self, losses: dict[str, float]) -> None:
+    def add(self, losses: Losses) -> None:
         """Count the losses of one step towards the epoch's means."""
         for name, value in losses.items():
-            self.sums[name][0] += value
+            self.sums[name][0] += value.double() if isinstance(value, Tensor) else value
             self.sums[name][1] += 1
 
     def finish_epoch(self, epoch: int, further: Row) -> Row:
         """Close the epoch's row and write it; `further` are numbers that are not means over steps."""
-        means = {name: total / count for name, (total, count) in self.sums.items()}
+        means = {name: float(total) / count for name, (total, count) in self.sums.items()}
         row: Row = {"epoch": epoch, **further, **means}
         self.sums.clear()
         self.rows.append(row)
-        self._write_csv()
-        for name in row.keys() - {"epoch"}:
-            self._writer.add_scalar(name, row[name], epoch)
-        self._writer.flush()
+        if self._writer is not None:
+            self._write_csv()
+            for name in row.keys() - {"epoch"}:
+                self._writer.add_scalar(name, row[name], epoch)
+            self._writer.flush()
         return row
 
     def _write_csv(self) -> None:
@@ -53,7 +57,10 @@ class RunLog:
 
     def state(self) -> dict[str, Any]:
         """What a checkpoint keeps."""
-        return {"rows": self.rows, "sums": dict(self.sums)}
+        return {
+            "rows": self.rows,
+            "sums": {name: [float(total), count] for name, (total, count) in self.sums.items()},
+        }
 
     def restore(self, state: dict[str, Any]) -> None:
         """Go on from a checkpoint."""
@@ -61,7 +68,8 @@ class RunLog:
         self.sums.update(state["sums"])
 
     def close(self) -> None:
-        self._writer.close()
+        if self._writer is not None:
+            self._writer.close()
 
 
 def _short(value: float | int) -> str:

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Iterator
+from functools import cached_property
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +17,13 @@ from tetgan.models.options import TetganOptions
 from tetgan.models.registry import save_generator
 from tetgan.nn.device import pick_device
 from tetgan.training.checkpoint import run_digest
-from tetgan.training.data import FieldData
+from tetgan.training.data import open_fields
 from tetgan.training.learner import Learner
-from tetgan.training.loop import WITHOUT_EFFECT, Losses, TrainingLoop, step_draws
+from tetgan.training.loop import WITHOUT_EFFECT, TrainingLoop, step_draws
 from tetgan.training.options import TrainingOptions
 from tetgan.training.pictures import draw_decoded
+from tetgan.training.processes import as_in_first, own_rows, process_group
+from tetgan.training.runlog import Losses
 from tetgan.training.schedule import (
     adversarial_step_due,
     bypass_steps,
@@ -41,18 +45,28 @@ def train_tetgan(
     Raises:
         UserError: there are no training shapes, or the training diverges.
     """
-    Trainer(open_training(index), options, training, seed, folder).run()
+    with process_group(training.device) as device:
+        Trainer(open_training(index), options, training, seed, folder, device=device).run()
 
 
 class Trainer(TrainingLoop):
     """A run of TetGAN: its data, schedules and pictures."""
 
     def __init__(
-        self, store: FieldStore, options: TetganOptions, training: TrainingOptions, seed: int, folder: Path
+        self,
+        store: FieldStore,
+        options: TetganOptions,
+        training: TrainingOptions,
+        seed: int,
+        folder: Path,
+        *,
+        device: torch.device | None = None,
     ) -> None:
         self.store, self.options, self.training = store, options, training
-        self.device = pick_device(training.device)
-        self.data, self.held_out = FieldData(store, "train"), FieldData(store, "validation")
+        self.device = device or pick_device(training.device)
+        self.data, self.held_out = (
+            open_fields(store, split, self.device, training.fields) for split in ("train", "validation")
+        )
         operator = vertex_operator(store.hierarchy.finest)
         self.learner = Learner(options, training, store.hierarchy, operator, seed=seed, device=self.device)
         digests = {
@@ -76,35 +90,50 @@ class Trainer(TrainingLoop):
     def take_step(self, draws: torch.Generator) -> Losses:
         """An autoencoder step, and an adversarial round where one is due."""
         self.learner.set_rate(rate_factor(self.step / self.steps, self.training))
+        field, shapes = next(self.batches), len(self._epoch_rows(self.step))
         if self.step < self.bypass:
-            losses = self.learner.bypass_step(self._batch(), draws)
+            losses = self.learner.bypass_step(field, draws, of=shapes)
         else:
             if self.step == self.bypass > 0:
                 self.learner.start_head(self._some_batches())
+                as_in_first(self.learner.generator)
             weight = kl_weight(self.step * self.training.batch_size, self.training)
-            losses = self.learner.autoencoder_step(self._batch(), weight, draws)
+            losses = self.learner.autoencoder_step(field, weight, draws, of=shapes)
         if adversarial_step_due(self.step, self.steps, self.training):
             losses |= self._adversarial_round(draws)
         return losses
 
-    def _batch(self) -> Tensor:
-        """The fields of this step; each epoch has an order of its own."""
-        epoch, place = divmod(self.step, self.steps_per_epoch)
+    @cached_property
+    def batches(self) -> Iterator[Tensor]:
+        """Fields of every batch from the first step of this process on, this process's part of each."""
+        rows = chain.from_iterable(map(self._rows, range(self.step, self.steps)))
+        return self.data.batches(batch[own_rows(len(batch))] for batch in rows)
+
+    def _rows(self, step: int) -> Iterator[Tensor]:
+        """The shapes of the autoencoder's batch of a step, then those of the critics' batches."""
+        yield self._epoch_rows(step)
+        if adversarial_step_due(step, self.steps, self.training):
+            draws = step_draws(self.seed, self.steps + self.training.epochs + step)
+            for _ in range(self.training.critic_steps):
+                yield torch.randint(len(self.data), (self.training.batch_size,), generator=draws)
+
+    def _epoch_rows(self, step: int) -> Tensor:
+        """The shapes of a step in its epoch; each epoch has an order of its own."""
+        epoch, place = divmod(step, self.steps_per_epoch)
         order = torch.randperm(len(self.data), generator=step_draws(self.seed, self.steps + epoch))
         size = self.training.batch_size
-        return self.data.batch(order[place * size : (place + 1) * size], self.device)
+        return order[place * size : (place + 1) * size]
 
     def _some_batches(self) -> Iterator[Tensor]:
         """Training shapes enough to know how features or codes are distributed."""
         rows = torch.randperm(len(self.data), generator=step_draws(self.seed, self.step))[:SOME_SHAPES]
-        return (self.data.batch(batch, self.device) for batch in rows.split(self.training.batch_size))
+        return self.data.batches(rows.split(self.training.batch_size))
 
     def _adversarial_round(self, draws: torch.Generator) -> Losses:
         size = self.training.batch_size
         losses: Losses = {}
         for _ in range(self.training.critic_steps):
-            rows = torch.randint(len(self.data), (size,), generator=draws)
-            losses |= self.learner.critic_step(self.data.batch(rows, self.device), draws)
+            losses |= self.learner.critic_step(next(self.batches), draws, of=size)
         return losses | self.learner.adversarial_step(size, draws)
 
     def finish_epoch(self, epoch: int) -> None:
@@ -121,23 +150,27 @@ class Trainer(TrainingLoop):
         }
         whole = self.step > self.bypass  # before, there is no latent to decode from
         with self.learner.average.applied():
-            if whole and len(self.held_out) > 0 and (last or epoch % training.validate_every == 0):
+            if (
+                self.first
+                and whole
+                and len(self.held_out) > 0
+                and (last or epoch % training.validate_every == 0)
+            ):
                 further |= self._validate()
-            if whole and (last or epoch % training.picture_every == 0):
+            if self.first and whole and (last or epoch % training.picture_every == 0):
                 self.learner.fit_prior(self._some_batches())
                 picture = self.folder / f"decoded_{epoch:04d}.png"
                 draw_decoded(picture, self.learner.generator, self.store, training.device)
         if whole and self.step + self.steps_per_epoch > first_adversarial_step(self.steps, training):
             self.learner.fit_prior(self._some_batches())  # for the fields that the critics of this epoch see
+            as_in_first(self.learner.generator)
         row = self.log.finish_epoch(epoch, further)
         if not math.isfinite(row["occupancy_loss"]):
             raise UserError(f"{self.folder}: training diverged in epoch {epoch}; lower learning_rate")
 
     def _validate(self) -> dict[str, float]:
         learner = self.learner
-        return validate(
-            learner.generator, learner.vertices, self.held_out, self.training.batch_size, self.device
-        )
+        return validate(learner.generator, learner.vertices, self.held_out, self.training.batch_size)
 
     def parts(self) -> dict[str, Any]:
         return self.learner.parts()

@@ -15,7 +15,7 @@ from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import PointData, PointSource
 from tetgan.training.baselines.options import OccNetTraining
 from tetgan.training.kind_learner import seeded
-from tetgan.training.loop import Losses
+from tetgan.training.runlog import Losses
 
 
 class OccNetLearner:

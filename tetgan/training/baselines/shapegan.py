@@ -16,8 +16,8 @@ from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import VoxelData, VoxelSource
 from tetgan.training.baselines.options import ShapeGanTraining
 from tetgan.training.kind_learner import seeded
-from tetgan.training.loop import Losses
 from tetgan.training.losses import gradient_penalty
+from tetgan.training.runlog import Losses
 
 POINTS = 2**15  # that the generator answers at a time; more only takes memory
 

@@ -15,8 +15,8 @@ from tetgan.nn.device import pick_device
 from tetgan.training.baselines.data import VoxelData, VoxelSource
 from tetgan.training.baselines.options import ShapeGanVaeTraining
 from tetgan.training.kind_learner import seeded
-from tetgan.training.loop import Losses
 from tetgan.training.losses import kl_divergence
+from tetgan.training.runlog import Losses
 
 
 class ShapeGanVaeLearner:

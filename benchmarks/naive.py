@@ -1,0 +1,28 @@
+"""The plain form of a tetrahedral convolution: what the operator of `tetgan.nn` is measured against."""
+
+import numpy as np
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor
+from torch.nn import functional
+
+
+def around(neighbors: Int[np.ndarray, "T 4"]) -> Int[Tensor, "T 5"]:
+    """Each tet and its four neighbors; -1, the outside, is the last row once zeros are padded behind."""
+    return torch.from_numpy(np.column_stack([np.arange(len(neighbors)), neighbors]))
+
+
+def naive_tet_conv(
+    x: Float[Tensor, "B T C"],
+    weight: Float[Tensor, "D 5*C"],
+    bias: Float[Tensor, "D"] | None,
+    neighbors: Int[Tensor, "T 5"],
+) -> Float[Tensor, "B T D"]:
+    """Pad with a zero row, index, reshape, one linear layer on 5 C inputs; `neighbors` are those of `around`."""
+    padded = functional.pad(x, (0, 0, 0, 1))
+    return functional.linear(padded[:, neighbors].flatten(2), weight, bias)
+
+
+def linear_form(weight: Float[Tensor, "5 C D"]) -> Float[Tensor, "D 5*C"]:
+    """Five matrices as the weight of one linear layer."""
+    return weight.flatten(0, 1).T.contiguous()
