@@ -39,7 +39,7 @@ def tet_conv(
         dtype = torch.get_autocast_dtype(x.device.type)
         x, weight = x.to(dtype), weight.to(dtype)
         bias = bias if bias is None else bias.to(dtype)
-    backend = backend_for(x)
+    backend = backend_for(x.device, x.dtype)
     if backend == "reference":
         return reference.tet_conv(x, weight, bias, neighbors)
     return _Conv.apply(x, weight, bias, _Shifts(neighbors, kernels(backend)))

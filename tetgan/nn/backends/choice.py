@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib.util import find_spec
-from typing import Literal, Protocol, get_args, runtime_checkable
+from typing import Literal, Protocol, cast, get_args, runtime_checkable
 
 import torch
 from torch import Tensor
@@ -37,7 +37,7 @@ class Kernels(Protocol):
 
 
 @contextmanager
-def conv_backend(name: Backend) -> Iterator[None]:
+def conv_backend(name: str) -> Iterator[None]:
     """Convolutions called inside use this backend, whatever the device.
 
     Raises:
@@ -48,18 +48,18 @@ def conv_backend(name: Backend) -> Iterator[None]:
         raise UserError(f"convolution backend '{name}': choose one of {', '.join(get_args(Backend))}")
     if name == "triton" and find_spec("triton") is None:
         raise UserError("convolution backend 'triton': Triton is not installed; use 'cpu' or install triton")
-    before, _forced = _forced, name
+    before, _forced = _forced, cast("Backend", name)
     try:
         yield
     finally:
         _forced = before
 
 
-def backend_for(x: Tensor) -> Backend:
+def backend_for(device: torch.device, dtype: torch.dtype) -> Backend:
     """The forced backend; else Triton on a GPU where it works, and PyTorch's operations elsewhere."""
     if _forced is not None:
         return _forced
-    if x.device.type != "cuda" or x.dtype == torch.float64:
+    if device.type != "cuda" or dtype == torch.float64:
         return "cpu"
     return "triton" if triton_works() else "cpu"
 
