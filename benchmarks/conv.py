@@ -54,7 +54,7 @@ class Side:
         return torch.autograd.grad(self.conv(*self.inputs), self.inputs, self.cotangent.detach())
 
     def penalty(self) -> tuple[Tensor, ...]:
-        """What a gradient penalty asks of a layer: derivatives of <y, g> + <∂<y, g>/∂x, x> by x, W, b and g."""
+        """What a gradient penalty asks of a layer: of <y, g> + <∂<y, g>/∂x, x>, the derivatives by x, W, b, g."""
         y = self.conv(*self.inputs)
         with input_gradients_only():
             (dx,) = torch.autograd.grad(y, self.inputs[0], self.cotangent, create_graph=True)
@@ -113,13 +113,8 @@ def build_sides(case: Case, device: torch.device, dtype: torch.dtype) -> tuple[S
     maps, index = TetNeighbors(neighbors).to(device), around(neighbors).to(device)
     shapes_first = [tensor.transpose(0, 1).contiguous() for tensor in (x, cotangent)]
     naive_inputs = (shapes_first[0], linear_form(weight), bias)
-    naive = Side(
-        lambda *inputs: naive_tet_conv(*inputs, index),
-        with_grad(naive_inputs),
-        shapes_first[1].requires_grad_(),
-    )
-    ours_inputs = with_grad((x, weight, bias))
-    ours = Side(lambda *inputs: tet_conv(*inputs, maps), ours_inputs, cotangent.requires_grad_())
+    naive = Side(lambda *inputs: naive_tet_conv(*inputs, index), *with_grad(naive_inputs, shapes_first[1]))
+    ours = Side(lambda *inputs: tet_conv(*inputs, maps), *with_grad((x, weight, bias), cotangent))
     tolerance = 1e-4 if dtype == torch.float32 else 0.1
     torch.testing.assert_close(
         ours.forward(), naive.forward().transpose(0, 1), rtol=tolerance, atol=tolerance
@@ -127,9 +122,9 @@ def build_sides(case: Case, device: torch.device, dtype: torch.dtype) -> tuple[S
     return naive, ours
 
 
-def with_grad(tensors: tuple[Tensor, ...]) -> tuple[Tensor, ...]:
-    """Copies that gradients are taken by."""
-    return tuple(tensor.clone().requires_grad_() for tensor in tensors)
+def with_grad(inputs: tuple[Tensor, ...], cotangent: Tensor) -> tuple[tuple[Tensor, ...], Tensor]:
+    """Leaves that gradients are taken by."""
+    return tuple(tensor.clone().requires_grad_() for tensor in inputs), cotangent.clone().requires_grad_()
 
 
 def interleaved(naive: Side, ours: Side, name: str, repeats: int) -> tuple[float, float]:
@@ -198,7 +193,7 @@ def main(
     torch.set_num_threads(threads)
     chosen = torch.device(device) if device else None
     if backend:
-        with conv_backend(backend):  # type: ignore[arg-type]
+        with conv_backend(backend):
             results = run(quick, chosen)
     else:
         results = run(quick, chosen)

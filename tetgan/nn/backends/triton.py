@@ -30,7 +30,7 @@ _TILES = [
 
 @triton.autotune(_TILES[:1] if _INTERPRETED else _TILES, key=["CHANNELS", "OUT", "DEPTH", "PRECISION"])
 @triton.jit
-def _conv_kernel(  # noqa: PLR0917
+def _conv_kernel(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     x,
     weight,
     bias,
@@ -88,7 +88,7 @@ def _conv_kernel(  # noqa: PLR0917
 
 
 @triton.jit
-def _weight_kernel(  # noqa: PLR0917
+def _weight_kernel(  # type: ignore[no-untyped-def]  # noqa: PLR0917
     x,
     grad,
     partial,
