@@ -54,7 +54,7 @@ class Side:
         return torch.autograd.grad(self.conv(*self.inputs), self.inputs, self.cotangent.detach())
 
     def penalty(self) -> tuple[Tensor, ...]:
-        """What a gradient penalty asks of a layer: of <y, g> + <∂<y, g>/∂x, x>, the derivatives by x, W, b, g."""
+        """Derivatives of <y, g> + <∂<y, g>/∂x, x> by x, W, b and g, as a gradient penalty takes them."""
         y = self.conv(*self.inputs)
         with input_gradients_only():
             (dx,) = torch.autograd.grad(y, self.inputs[0], self.cotangent, create_graph=True)
