@@ -1,0 +1,281 @@
+"""A solid on its supports, under its loads: linear elasticity by finite elements on its tets."""
+
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import meshio
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import sparse
+
+from tetgan.errors import UserError
+from tetgan.files import whole_file
+from tetgan.grids.grid import tet_volumes
+from tetgan.rendering.meshes import Solid
+from tetgan.studies.elasticity.assembly import (
+    Body,
+    face_weights,
+    rigid_motions,
+    stiffness,
+    stresses,
+    to_vertices,
+    volume_weights,
+    von_mises,
+)
+from tetgan.studies.elasticity.options import LoadCase
+from tetgan.studies.elasticity.pieces import count_free_motions, label_pieces
+from tetgan.studies.elasticity.regions import (
+    DOWN,
+    BoundaryFaces,
+    Load,
+    Support,
+    choose_faces,
+    parse_load,
+    parse_support,
+)
+from tetgan.studies.elasticity.solve import DIRECT_BELOW, Solution, solve
+
+log = logging.getLogger(__name__)
+
+GRAVITY = 9.81  # m/s^2
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A body at rest under its loads.
+
+    Attributes:
+        vertices: (V, 3) of the body without loads, in the units of its mesh.
+        tets: (T, 4).
+        size: metres that one of these units stands for.
+        displacement: (V, 3) of the vertices, in metres.
+        stress: (T,) von Mises stress in each tet, in Pa: of the mean stress in it.
+        load: (3,) sum of all forces on the body, its weight included, in newtons.
+        reaction: (3,) sum of the forces by which the supports hold it.
+        work: of the forces along the displacement, in joules: the compliance, twice the energy stored.
+        loaded: (P, 3) centroids of the boundary faces under each load in turn, in the units of the mesh.
+        unknowns, solution: how large the equations were, and how they were solved.
+    """
+
+    vertices: Float[np.ndarray, "V 3"]
+    tets: Int[np.ndarray, "T 4"]
+    size: float
+    displacement: Float[np.ndarray, "V 3"]
+    stress: Float[np.ndarray, "T"]
+    vertex_stress: Float[np.ndarray, "V"]
+    load: Float[np.ndarray, "3"]
+    reaction: Float[np.ndarray, "3"]
+    work: float
+    mass: float
+    unknowns: int
+    solution: Solution
+
+    def record(self) -> dict[str, float | int | str]:
+        """Figures of the simulation, by name; lengths in metres, stresses in Pa.
+
+        The highest stress grows without bound as tets get finer where the surface has a sharp inner edge, so
+        the 99th percentile over the tets stands beside it.
+        """
+        return {
+            "tets": len(self.tets),
+            "unknowns": self.unknowns,
+            "method": self.solution.method,
+            "iterations": self.solution.iterations,
+            "residual": self.solution.residual,
+            "mass": self.mass,
+            "peak_displacement": float(np.linalg.norm(self.displacement, axis=1).max()),
+            "peak_stress": float(self.stress.max()),
+            "stress_p99": float(np.percentile(self.stress, 99)),
+            "work": self.work,
+            "load": float(np.linalg.norm(self.load)),
+            "imbalance": float(np.linalg.norm(self.load + self.reaction) / np.linalg.norm(self.load)),
+        }
+
+
+class _Setting(NamedTuple):
+    """Forces on the nodes and which of their components are held."""
+
+    forces: Float[np.ndarray, "N 3"]
+    held: Bool[np.ndarray, "N 3"]
+
+
+def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) -> Simulation:
+    """Deform a solid.
+
+    Args:
+        solid: valid tets in any unit.
+        case: material, supports, loads, size and degree of the elements.
+        direct_below: unknowns from which multigrid takes over.
+
+    Raises:
+        UserError: inverted tets, a region without faces, no force, a piece that is not held, or equations
+            that do not come to an end.
+    """
+    _check_tets(solid)
+    supports, loads = [parse_support(text) for text in case.fix], [parse_load(text) for text in case.load]
+    body = Body(solid.vertices * case.size, solid.tets, case.order)
+    faces = body.boundary_faces(case.size)
+    volumes = volume_weights(body)
+    setting = _Setting(
+        _forces(body, faces, loads, case, volumes), _held(body, faces, supports, case.reach)
+    )
+    if not setting.forces.any():
+        raise UserError("no force acts on the body; give a load other than zero, or gravity")
+    _check_held(body, setting.held, case.fix)
+    matrix = stiffness(body, case.stuff)
+    solution = solve(
+        matrix,
+        setting.forces.ravel(),
+        setting.held.ravel(),
+        rigid_motions(body.nodes),
+        direct_below=direct_below,
+    )
+    return _finish(solid, body, case, setting, matrix, solution, float(volumes.sum()))
+
+
+def _finish(
+    solid: Solid,
+    body: Body,
+    case: LoadCase,
+    setting: _Setting,
+    matrix: sparse.bsr_array,
+    solution: Solution,
+    volume: float,
+) -> Simulation:
+    moved = solution.displacement.reshape(-1, 3)
+    left = (matrix @ solution.displacement).reshape(-1, 3) - setting.forces
+    stress = von_mises(stresses(body, case.stuff, moved))
+    return Simulation(
+        solid.vertices,
+        solid.tets,
+        case.size,
+        moved[: len(solid.vertices)],
+        stress,
+        to_vertices(body, stress),
+        setting.forces.sum(axis=0),
+        np.where(setting.held, left, 0.0).sum(axis=0),
+        float((setting.forces * moved).sum()),
+        volume * case.stuff.density,
+        moved.size,
+        solution,
+    )
+
+
+def _check_tets(solid: Solid) -> None:
+    """Refuse what has no solution, or one that means nothing."""
+    if len(solid.tets) == 0:
+        raise UserError("the mesh has no tets")
+    bad = int((tet_volumes(solid.vertices, solid.tets) <= 0).sum())
+    if bad:
+        raise UserError(
+            f"{bad} of {len(solid.tets)} tets are inverted or flat; 'tetgan certify' lists what is wrong, and"
+            " meshes made with '--mode solid' have none"
+        )
+
+
+def _held(
+    body: Body, faces: BoundaryFaces, supports: list[Support], reach: float
+) -> Bool[np.ndarray, "N 3"]:
+    held = np.zeros((len(body.nodes), 3), dtype=bool)
+    for support in supports:
+        nodes = body.nodes_of(choose_faces(support.region, faces, reach))
+        held[nodes] |= np.array(support.components)
+    return held
+
+
+def _forces(
+    body: Body,
+    faces: BoundaryFaces,
+    loads: list[Load],
+    case: LoadCase,
+    volumes: Float[np.ndarray, "N"],
+) -> Float[np.ndarray, "N 3"]:
+    """Forces on the nodes that do the work of the loads: even tractions, and the weight."""
+    forces = np.zeros((len(body.nodes), 3))
+    for load in loads:
+        weights = face_weights(body, choose_faces(load.region, faces, case.reach))
+        forces += (weights / weights.sum())[:, None] * np.array(load.force)
+    if case.gravity:
+        forces += GRAVITY * case.stuff.density * volumes[:, None] * np.array(DOWN)
+    return forces
+
+
+def _check_held(body: Body, held: Bool[np.ndarray, "N 3"], fix: list[str]) -> None:
+    """Every piece must be held against every rigid motion, or its equations have no one solution."""
+    try:
+        labels = label_pieces(body.tets)
+    except ValueError as error:
+        raise UserError(f"{error}; 'tetgan certify' tells what is wrong with the mesh") from None
+    nodes_of_tets = body.basis.element_dofs.T
+    free = []
+    for piece in range(labels.max() + 1):
+        nodes = np.unique(nodes_of_tets[labels == piece])
+        free.append(count_free_motions(body.nodes[nodes], held[nodes]))
+    loose = np.flatnonzero(free)
+    where = "', '".join(fix)
+    if len(loose) and len(free) == 1:
+        raise UserError(
+            f"'{where}' leaves the body free to move in {free[0]} of 6 ways; hold it in more places or directions"
+        )
+    if len(loose):
+        tets = int(np.isin(labels, loose).sum())
+        raise UserError(
+            f"{len(loose)} of {len(free)} pieces ({tets} of {len(labels)} tets) are not held by '{where}';"
+            " simulate the largest piece alone (--largest), or hold the others too"
+        )
+
+
+def read_tets(path: Path) -> Solid:
+    """The tets of a file in any format of meshio.
+
+    Raises:
+        UserError: no such file, or no tets in it.
+    """
+    if not path.is_file():
+        raise UserError(f"{path}: no such file")
+    try:
+        mesh = meshio.read(path)
+    except (meshio.ReadError, ValueError, KeyError, SystemExit) as error:
+        raise UserError(f"{path}: not a mesh that meshio can read ({error})") from None
+    if "tetra" not in mesh.cells_dict:
+        raise UserError(f"{path}: no tets of four vertices in it; simulate a solid, such as a .vtu or .msh")
+    used, tets = np.unique(mesh.cells_dict["tetra"], return_inverse=True)
+    return Solid(mesh.points[used].astype(np.float64), tets.reshape(-1, 4).astype(np.int64))
+
+
+def write_simulation(path: Path, result: Simulation) -> None:
+    """Write the mesh at rest, in metres, with `displacement` and `von_mises` on it; the suffix names the format.
+
+    Raises:
+        UserError: meshio cannot write that suffix.
+    """
+    mesh = meshio.Mesh(
+        result.vertices * result.size,
+        [("tetra", result.tets)],
+        point_data={"displacement": result.displacement, "von_mises": result.vertex_stress},
+        cell_data={"von_mises": [result.stress]},
+    )
+    with whole_file(path) as partial:
+        try:
+            meshio.write(partial, mesh)
+        except (meshio.ReadError, meshio.WriteError):
+            raise UserError(f"{path}: no mesh format '{path.suffix}' to write; use '.vtu'") from None
+
+
+def readable_record(result: Simulation) -> dict[str, str]:
+    """The figures that matter, in words and handy units."""
+    record: dict[str, Any] = result.record()
+    return {
+        "tets": f"{record['tets']:,}",
+        "unknowns": f"{record['unknowns']:,}",
+        "solver": f"{record['method']}, {record['iterations']} iterations, residual {record['residual']:.0e}",
+        "mass": f"{record['mass']:.4g} kg",
+        "load": f"{record['load']:.4g} N",
+        "sum of load and reaction": f"{record['imbalance']:.0e} of the load",
+        "largest displacement": f"{1e3 * record['peak_displacement']:.4g} mm",
+        "highest von Mises stress": f"{record['peak_stress'] / 1e6:.4g} MPa",
+        "99th percentile of it": f"{record['stress_p99'] / 1e6:.4g} MPa",
+        "work of the load": f"{record['work']:.4g} J",
+    }
