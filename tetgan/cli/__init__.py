@@ -16,6 +16,7 @@ from tetgan.cli import models as models
 from tetgan.cli import evaluation as evaluation
 from tetgan.cli import tables as tables
 from tetgan.cli import studies as studies
+from tetgan.cli import simulation as simulation
 # isort: on
 
 

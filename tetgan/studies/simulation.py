@@ -1,6 +1,6 @@
 """A solid on its supports, under its loads: linear elasticity by finite elements on its tets."""
 
-import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -37,9 +37,14 @@ from tetgan.studies.elasticity.regions import (
 )
 from tetgan.studies.elasticity.solve import DIRECT_BELOW, Solution, solve
 
-log = logging.getLogger(__name__)
-
 GRAVITY = 9.81  # m/s^2
+
+
+class Push(NamedTuple):
+    """Where a load acts, and its force in newtons."""
+
+    places: Float[np.ndarray, "P 3"]
+    force: tuple[float, float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +60,8 @@ class Simulation:
         load: (3,) sum of all forces on the body, its weight included, in newtons.
         reaction: (3,) sum of the forces by which the supports hold it.
         work: of the forces along the displacement, in joules: the compliance, twice the energy stored.
-        loaded: (P, 3) centroids of the boundary faces under each load in turn, in the units of the mesh.
+        pushes: of each load the middles of its faces, in the units of the mesh, and its force.
+        mass: in kg.
         unknowns, solution: how large the equations were, and how they were solved.
     """
 
@@ -68,6 +74,7 @@ class Simulation:
     load: Float[np.ndarray, "3"]
     reaction: Float[np.ndarray, "3"]
     work: float
+    pushes: Sequence[Push]
     mass: float
     unknowns: int
     solution: Solution
@@ -95,9 +102,10 @@ class Simulation:
 
 
 class _Setting(NamedTuple):
-    """Forces on the nodes and which of their components are held."""
+    """Forces on the nodes, where they come from, and which components of the nodes are held."""
 
     forces: Float[np.ndarray, "N 3"]
+    pushes: Sequence[Push]
     held: Bool[np.ndarray, "N 3"]
 
 
@@ -118,9 +126,8 @@ def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) 
     body = Body(solid.vertices * case.size, solid.tets, case.order)
     faces = body.boundary_faces(case.size)
     volumes = volume_weights(body)
-    setting = _Setting(
-        _forces(body, faces, loads, case, volumes), _held(body, faces, supports, case.reach)
-    )
+    forces, pushes = _forces(body, faces, loads, case, volumes)
+    setting = _Setting(forces, pushes, _held(body, faces, supports, case.reach))
     if not setting.forces.any():
         raise UserError("no force acts on the body; give a load other than zero, or gravity")
     _check_held(body, setting.held, case.fix)
@@ -157,6 +164,7 @@ def _finish(
         setting.forces.sum(axis=0),
         np.where(setting.held, left, 0.0).sum(axis=0),
         float((setting.forces * moved).sum()),
+        setting.pushes,
         volume * case.stuff.density,
         moved.size,
         solution,
@@ -191,23 +199,22 @@ def _forces(
     loads: list[Load],
     case: LoadCase,
     volumes: Float[np.ndarray, "N"],
-) -> Float[np.ndarray, "N 3"]:
-    """Forces on the nodes that do the work of the loads: even tractions, and the weight."""
-    forces = np.zeros((len(body.nodes), 3))
+) -> tuple[Float[np.ndarray, "N 3"], Sequence[Push]]:
+    """Forces on the nodes that do the work of the loads, even tractions and the weight; and the loads' places."""
+    forces, pushes = np.zeros((len(body.nodes), 3)), []
     for load in loads:
-        weights = face_weights(body, choose_faces(load.region, faces, case.reach))
+        chosen = choose_faces(load.region, faces, case.reach)
+        pushes.append(Push(faces.middles[chosen], load.force))
+        weights = face_weights(body, chosen)
         forces += (weights / weights.sum())[:, None] * np.array(load.force)
     if case.gravity:
         forces += GRAVITY * case.stuff.density * volumes[:, None] * np.array(DOWN)
-    return forces
+    return forces, pushes
 
 
 def _check_held(body: Body, held: Bool[np.ndarray, "N 3"], fix: list[str]) -> None:
     """Every piece must be held against every rigid motion, or its equations have no one solution."""
-    try:
-        labels = label_pieces(body.tets)
-    except ValueError as error:
-        raise UserError(f"{error}; 'tetgan certify' tells what is wrong with the mesh") from None
+    labels = label_pieces(body.tets)
     nodes_of_tets = body.basis.element_dofs.T
     free = []
     for piece in range(labels.max() + 1):

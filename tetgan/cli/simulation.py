@@ -1,0 +1,80 @@
+"""What a solid does under loads."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tetgan.cli.app import app, read_options
+from tetgan.errors import UserError
+
+PANEL = "Solids"
+
+
+@app.command(rich_help_panel=PANEL)
+def simulate(
+    mesh: Annotated[Path, typer.Argument(help="Tet mesh: .vtu, .msh, or any format of meshio.")],
+    material: Annotated[
+        str, typer.Option(help="pinewood, steel, rubber, or '{young: 1e10, poisson: 0.3, density: 500}'.")
+    ] = "pinewood",
+    fix: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Region held still: floor, top, left, right, back, front, or a box x,y,z:x,y,z in the mesh's"
+            " units; floor/y holds the vertical direction alone. May be repeated.  [default: floor]"
+        ),
+    ] = None,
+    load: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Region and total force: top=500N (downward), left=200,0,-50N (a vector). May be repeated."
+            "  [default: top=500N]"
+        ),
+    ] = None,
+    gravity: Annotated[bool, typer.Option(help="Add the body's own weight.")] = False,
+    size: Annotated[float, typer.Option(help="Metres that one unit of the mesh stands for.")] = 1.0,
+    order: Annotated[int, typer.Option(help="Degree of the elements; degree 1 is too stiff in bending.")] = 2,
+    reach: Annotated[float, typer.Option(help="Depth of a side's region, over the mesh's extent.")] = 0.05,
+    largest: Annotated[bool, typer.Option(help="Simulate the largest piece alone.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Mesh (.vtu) to write, with displacement and stress.")
+    ] = None,
+    figure: Annotated[Path | None, typer.Option(help="Picture (.png) to write.")] = None,
+) -> None:
+    """Bend a solid: displacement and von Mises stress under loads, by linear elasticity.
+
+    Example: `tetgan simulate table.vtu --material pinewood --fix floor --load top=500N --size 0.8 --out bent.vtu
+    --figure bent.png`
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    from tetgan.studies.elasticity.figure import write_figure
+    from tetgan.studies.elasticity.options import LoadCase, Material, read_material
+    from tetgan.studies.elasticity.pieces import largest_piece
+    from tetgan.studies.simulation import read_tets, readable_record, write_simulation
+    from tetgan.studies.simulation import simulate as run
+
+    numbers = material.lstrip().startswith("{")
+    values = {
+        "material": read_options(Material, material, "--material") if numbers else read_material(material),
+        "gravity": gravity,
+        "size": size,
+        "order": order,
+        "reach": reach,
+    }
+    values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}
+    case = LoadCase.parse(values, "simulate")
+    try:
+        solid = read_tets(mesh)
+        result = run(largest_piece(solid) if largest else solid, case)
+    except UserError as error:
+        raise UserError(f"{mesh}: {error}") from None
+    if out is not None:
+        write_simulation(out, result)
+    if figure is not None:
+        write_figure(figure, result, mesh.stem)
+    table = Table(title=mesh.name, show_header=False)
+    for name, value in readable_record(result).items():
+        table.add_row(name, value)
+    Console().print(table)
