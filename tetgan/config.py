@@ -38,7 +38,7 @@ from tetgan.training.options import TrainingOptions
 
 TABLES = {
     *("fid", "variety", "reconstruction", "manifold", "dataset", "runtime"),
-    *("ablation", "resolution", "smoothing"),
+    *("ablation", "resolution", "smoothing", "simulation"),
 }
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
 
@@ -144,9 +144,10 @@ class Config(Options):
         for name in self.figures.models or []:
             if name not in self.models:
                 raise ValueError(f"figures.models: '{name}' is not one of {sorted(self.models)}")
-        for name in self.studies.smoothing.models:
-            if name not in self.models:
-                raise ValueError(f"studies.smoothing.models: '{name}' has no entry under models")
+        for study in ("smoothing", "simulation"):
+            for name in getattr(self.studies, study).models:
+                if name not in self.models:
+                    raise ValueError(f"studies.{study}.models: '{name}' has no entry under models")
         return self
 
     def _check_data(self, name: str, model: Any) -> None:

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from tetgan.cli.app import app, read_options
+from tetgan.cli.app import OptionsText, app, read_options, read_plain
 from tetgan.errors import UserError
 
 PANEL = "Solids"
@@ -43,8 +43,8 @@ def simulate(
 ) -> None:
     """Bend a solid: displacement and von Mises stress under loads, by linear elasticity.
 
-    Example: `tetgan simulate table.vtu --material pinewood --fix floor --load top=500N --size 0.8 --out bent.vtu
-    --figure bent.png`
+    Example: `tetgan simulate table.vtu --material pinewood --fix floor --load top=500N --size 0.8
+    --out bent.vtu --figure bent.png`
     """
     from rich.console import Console
     from rich.table import Table
@@ -78,3 +78,36 @@ def simulate(
     for name, value in readable_record(result).items():
         table.add_row(name, value)
     Console().print(table)
+
+
+@app.command("simulation-study", rich_help_panel=PANEL)
+def simulation_study(
+    samples: Annotated[Path, typer.Argument(help="Folder written by `tetgan sample`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write, a row a sample.")],
+    options: OptionsText = "{}",
+    identity: OptionsText = "{}",
+) -> None:
+    """Simulate many samples under one load; mesh some of their surfaces anew and compare.
+
+    Example: `tetgan simulation-study results/samples/table/tetgan-LR/0/solid study.csv
+    --options '{samples: 50, remeshed: 5}'`
+    """
+    from tetgan.studies.elasticity.options import SimulationOptions
+    from tetgan.studies.simulation_study import study_simulation
+
+    chosen = read_options(SimulationOptions, options, "--options")
+    study_simulation(samples, out, chosen, read_plain(identity, "--identity"))
+
+
+@app.command("simulation-table", rich_help_panel=PANEL)
+def simulation_table(
+    studies: Annotated[list[Path], typer.Argument(help="Tables written by `tetgan simulation-study`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+) -> None:
+    """Set the simulation studies side by side, a row a model and mode.
+
+    Example: `tetgan simulation-table studies/*.csv simulation.csv`
+    """
+    from tetgan.studies.simulation_table import write_simulation_table
+
+    write_simulation_table(studies, out)

@@ -24,13 +24,12 @@ from tetgan.studies.elasticity.assembly import (
     volume_weights,
     von_mises,
 )
+from tetgan.studies.elasticity.errors import UnfitError
 from tetgan.studies.elasticity.options import LoadCase
 from tetgan.studies.elasticity.pieces import count_free_motions, label_pieces
 from tetgan.studies.elasticity.regions import (
     DOWN,
     BoundaryFaces,
-    Load,
-    Support,
     choose_faces,
     parse_load,
     parse_support,
@@ -61,6 +60,7 @@ class Simulation:
         reaction: (3,) sum of the forces by which the supports hold it.
         work: of the forces along the displacement, in joules: the compliance, twice the energy stored.
         pushes: of each load the middles of its faces, in the units of the mesh, and its force.
+        feet: (P, 3) middles of the faces that are held.
         mass: in kg.
         unknowns, solution: how large the equations were, and how they were solved.
     """
@@ -75,6 +75,7 @@ class Simulation:
     reaction: Float[np.ndarray, "3"]
     work: float
     pushes: Sequence[Push]
+    feet: Float[np.ndarray, "P 3"]
     mass: float
     unknowns: int
     solution: Solution
@@ -101,12 +102,18 @@ class Simulation:
         }
 
 
-class _Setting(NamedTuple):
-    """Forces on the nodes, where they come from, and which components of the nodes are held."""
+class _Problem(NamedTuple):
+    """A body, and at each of its nodes the force, and which components are held.
 
+    `pushes` and `feet` are as in `Simulation`.
+    """
+
+    body: Body
+    case: LoadCase
     forces: Float[np.ndarray, "N 3"]
     pushes: Sequence[Push]
     held: Bool[np.ndarray, "N 3"]
+    feet: Float[np.ndarray, "P 3"]
 
 
 def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) -> Simulation:
@@ -118,102 +125,97 @@ def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) 
         direct_below: unknowns from which multigrid takes over.
 
     Raises:
-        UserError: inverted tets, a region without faces, no force, a piece that is not held, or equations
-            that do not come to an end.
+        UnfitError: inverted tets, a region without faces, a piece that is not held, or equations that are not
+            solved.
+        UserError: a region or load that cannot be read, or no force.
     """
     _check_tets(solid)
-    supports, loads = [parse_support(text) for text in case.fix], [parse_load(text) for text in case.load]
+    problem = _pose(solid, case)
+    _check_held(problem)
+    matrix = stiffness(problem.body, case.stuff)
+    motions = rigid_motions(problem.body.nodes)
+    solution = solve(matrix, problem.forces.ravel(), problem.held.ravel(), motions, direct_below=direct_below)
+    return _finish(problem, solid, matrix, solution)
+
+
+def _pose(solid: Solid, case: LoadCase) -> _Problem:
+    """Regions looked up, and forces spread over the nodes."""
     body = Body(solid.vertices * case.size, solid.tets, case.order)
     faces = body.boundary_faces(case.size)
-    volumes = volume_weights(body)
-    forces, pushes = _forces(body, faces, loads, case, volumes)
-    setting = _Setting(forces, pushes, _held(body, faces, supports, case.reach))
-    if not setting.forces.any():
+    held, feet = _held(body, faces, case)
+    forces, pushes = _forces(body, faces, case)
+    if not forces.any():
         raise UserError("no force acts on the body; give a load other than zero, or gravity")
-    _check_held(body, setting.held, case.fix)
-    matrix = stiffness(body, case.stuff)
-    solution = solve(
-        matrix,
-        setting.forces.ravel(),
-        setting.held.ravel(),
-        rigid_motions(body.nodes),
-        direct_below=direct_below,
-    )
-    return _finish(solid, body, case, setting, matrix, solution, float(volumes.sum()))
+    return _Problem(body, case, forces, pushes, held, feet)
 
 
-def _finish(
-    solid: Solid,
-    body: Body,
-    case: LoadCase,
-    setting: _Setting,
-    matrix: sparse.bsr_array,
-    solution: Solution,
-    volume: float,
-) -> Simulation:
+def _finish(problem: _Problem, solid: Solid, matrix: sparse.bsr_array, solution: Solution) -> Simulation:
+    """What follows from the displacement of the nodes."""
+    body, stuff = problem.body, problem.case.stuff
     moved = solution.displacement.reshape(-1, 3)
-    left = (matrix @ solution.displacement).reshape(-1, 3) - setting.forces
-    stress = von_mises(stresses(body, case.stuff, moved))
+    left = (matrix @ solution.displacement).reshape(-1, 3) - problem.forces
+    stress = von_mises(stresses(body, stuff, moved))
     return Simulation(
-        solid.vertices,
-        solid.tets,
-        case.size,
-        moved[: len(solid.vertices)],
-        stress,
-        to_vertices(body, stress),
-        setting.forces.sum(axis=0),
-        np.where(setting.held, left, 0.0).sum(axis=0),
-        float((setting.forces * moved).sum()),
-        setting.pushes,
-        volume * case.stuff.density,
-        moved.size,
-        solution,
+        vertices=solid.vertices,
+        tets=solid.tets,
+        size=problem.case.size,
+        displacement=moved[: len(solid.vertices)],
+        stress=stress,
+        vertex_stress=to_vertices(body, stress),
+        load=problem.forces.sum(axis=0),
+        reaction=np.where(problem.held, left, 0.0).sum(axis=0),
+        work=float((problem.forces * moved).sum()),
+        pushes=problem.pushes,
+        feet=problem.feet,
+        mass=stuff.density * float(tet_volumes(body.vertices, body.tets).sum()),
+        unknowns=moved.size,
+        solution=solution,
     )
 
 
 def _check_tets(solid: Solid) -> None:
     """Refuse what has no solution, or one that means nothing."""
     if len(solid.tets) == 0:
-        raise UserError("the mesh has no tets")
+        raise UnfitError("no tets", "the mesh has no tets")
     bad = int((tet_volumes(solid.vertices, solid.tets) <= 0).sum())
     if bad:
-        raise UserError(
+        raise UnfitError(
+            "inverted tets",
             f"{bad} of {len(solid.tets)} tets are inverted or flat; 'tetgan certify' lists what is wrong, and"
-            " meshes made with '--mode solid' have none"
+            " meshes made with '--mode solid' have none",
         )
 
 
 def _held(
-    body: Body, faces: BoundaryFaces, supports: list[Support], reach: float
-) -> Bool[np.ndarray, "N 3"]:
-    held = np.zeros((len(body.nodes), 3), dtype=bool)
-    for support in supports:
-        nodes = body.nodes_of(choose_faces(support.region, faces, reach))
-        held[nodes] |= np.array(support.components)
-    return held
+    body: Body, faces: BoundaryFaces, case: LoadCase
+) -> tuple[Bool[np.ndarray, "N 3"], Float[np.ndarray, "P 3"]]:
+    """Which components of the nodes are held, and the middles of the faces that hold them."""
+    held, feet = np.zeros((len(body.nodes), 3), dtype=bool), np.zeros(len(faces.middles), dtype=bool)
+    for support in map(parse_support, case.fix):
+        chosen = choose_faces(support.region, faces, case.reach)
+        held[body.nodes_of(chosen)] |= np.array(support.components)
+        feet |= chosen
+    return held, faces.middles[feet]
 
 
 def _forces(
-    body: Body,
-    faces: BoundaryFaces,
-    loads: list[Load],
-    case: LoadCase,
-    volumes: Float[np.ndarray, "N"],
+    body: Body, faces: BoundaryFaces, case: LoadCase
 ) -> tuple[Float[np.ndarray, "N 3"], Sequence[Push]]:
-    """Forces on the nodes that do the work of the loads, even tractions and the weight; and the loads' places."""
+    """Forces on the nodes that do the work of even tractions and of the weight; and where the loads act."""
     forces, pushes = np.zeros((len(body.nodes), 3)), []
-    for load in loads:
+    for load in map(parse_load, case.load):
         chosen = choose_faces(load.region, faces, case.reach)
         pushes.append(Push(faces.middles[chosen], load.force))
         weights = face_weights(body, chosen)
         forces += (weights / weights.sum())[:, None] * np.array(load.force)
     if case.gravity:
-        forces += GRAVITY * case.stuff.density * volumes[:, None] * np.array(DOWN)
+        forces += GRAVITY * case.stuff.density * volume_weights(body)[:, None] * np.array(DOWN)
     return forces, pushes
 
 
-def _check_held(body: Body, held: Bool[np.ndarray, "N 3"], fix: list[str]) -> None:
+def _check_held(problem: _Problem) -> None:
     """Every piece must be held against every rigid motion, or its equations have no one solution."""
+    body, held = problem.body, problem.held
     labels = label_pieces(body.tets)
     nodes_of_tets = body.basis.element_dofs.T
     free = []
@@ -221,16 +223,19 @@ def _check_held(body: Body, held: Bool[np.ndarray, "N 3"], fix: list[str]) -> No
         nodes = np.unique(nodes_of_tets[labels == piece])
         free.append(count_free_motions(body.nodes[nodes], held[nodes]))
     loose = np.flatnonzero(free)
-    where = "', '".join(fix)
+    where = "', '".join(problem.case.fix)
     if len(loose) and len(free) == 1:
-        raise UserError(
-            f"'{where}' leaves the body free to move in {free[0]} of 6 ways; hold it in more places or directions"
+        raise UnfitError(
+            "not held",
+            f"'{where}' leaves the body free to move in {free[0]} of 6 ways;"
+            " hold it in more places or directions",
         )
     if len(loose):
         tets = int(np.isin(labels, loose).sum())
-        raise UserError(
+        raise UnfitError(
+            "not held",
             f"{len(loose)} of {len(free)} pieces ({tets} of {len(labels)} tets) are not held by '{where}';"
-            " simulate the largest piece alone (--largest), or hold the others too"
+            " simulate the largest piece alone (--largest), or hold the others too",
         )
 
 
@@ -253,7 +258,7 @@ def read_tets(path: Path) -> Solid:
 
 
 def write_simulation(path: Path, result: Simulation) -> None:
-    """Write the mesh at rest, in metres, with `displacement` and `von_mises` on it; the suffix names the format.
+    """Write the mesh at rest, in metres, with `displacement` and `von_mises` on it, as the suffix says.
 
     Raises:
         UserError: meshio cannot write that suffix.

@@ -4,6 +4,7 @@ Unknowns are numbered node by node, x, y, z of each. Vector equations are put to
 products of derivatives in all, which is several times quicker than a vector element.
 """
 
+import logging
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -15,6 +16,8 @@ from skfem.element import ElementTetP1, ElementTetP2
 
 from tetgan.studies.elasticity.options import Material
 from tetgan.studies.elasticity.regions import BoundaryFaces
+
+logging.getLogger("skfem").setLevel(logging.WARNING)  # else it tells of every basis and form
 
 _ELEMENTS = {1: ElementTetP1, 2: ElementTetP2}
 
@@ -52,7 +55,7 @@ class Body:
         return self.mesh.boundary_facets()
 
     def boundary_faces(self, size: float) -> BoundaryFaces:
-        """The same faces as regions choose from them, in the units of a mesh of which one is `size` metres."""
+        """The same faces as regions choose from them, in mesh units of `size` metres."""
         corners = self.vertices[self.mesh.facets[:, self.boundary].T] / size
         inner = self.vertices[self.tets[self.mesh.f2t[0, self.boundary]]].mean(axis=1) / size
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -127,7 +130,9 @@ def rigid_motions(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "M 6"]:
     return motions.reshape(-1, 6)
 
 
-def stresses(body: Body, material: Material, displacement: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "T 3 3"]:
+def stresses(
+    body: Body, material: Material, displacement: Float[np.ndarray, "N 3"]
+) -> Float[np.ndarray, "T 3 3"]:
     """Stress in the middle of each tet, which is its mean over the tet, in Pa."""
     first, shear = material.lame
     middle = skfem.CellBasis(body.mesh, body.basis.elem, intorder=1)

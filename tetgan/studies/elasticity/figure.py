@@ -24,6 +24,9 @@ _SHOWN = 0.12  # of the body's longest side: how far the exaggerated displacemen
 _VIEW = View(size=(900, 900), azimuth=35, elevation=18)
 _ARROWS = 5  # most arrows of a load along either horizontal direction
 _ARROW = 0.11  # length of an arrow, cube sides
+Units = tuple[tuple[float, str], ...]
+_LENGTHS: Units = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))
+_STRESSES: Units = ((1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
 _GAMMA = 2.2  # from a screen's colours to linear light, as the ray caster goes back
 
 
@@ -37,23 +40,25 @@ def draw_simulation(result: Simulation, title: str) -> Figure:
     times = exaggeration(result)
     moved = result.vertices + times * result.displacement / result.size
     view = _view(result, moved)
-    top = float(np.percentile(result.vertex_stress, 99.5)) / 1e6 or 1.0
     faces = boundary_faces(result.tets)
-    shades = mpl.colormaps[_COLOURS](np.clip(result.vertex_stress[faces].mean(axis=1) / 1e6 / top, 0, 1))
+    stress = result.vertex_stress[faces].mean(axis=1)
+    top = float(np.percentile(stress, 99.5)) or 1.0
+    shades = mpl.colormaps[_COLOURS](np.clip(stress / top, 0, 1))
     rest = view.draw(result.vertices, faces, WOOD)
     bent = view.draw(moved, faces, shades[:, :3] ** _GAMMA)
     peak = float(np.linalg.norm(result.displacement, axis=1).max())
     with plot_style():
-        figure = Figure(figsize=(WIDTH, 0.56 * WIDTH), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 0.47 * WIDTH), layout="constrained")
         left, right = figure.subplots(1, 2)
-        _show(left, rest, f"at rest, {_loads(result)}")
+        _show(left, rest, f"at rest, with {_loads(result)}")
         for push in result.pushes:
             _draw_arrows(left, push, view)
-        _show(right, bent, f"displacement × {times:,g}; largest {1e3 * peak:.3g} mm")
+        _show(right, bent, f"moves {_handy(peak, _LENGTHS)} at most, shown {times:,g} times")
         right.contour((rest < 255).any(axis=2), levels=[0.5], colors="#666666", linewidths=0.6)
-        colours = ScalarMappable(Normalize(0, top), _COLOURS)
+        unit, name = _unit_of(top, _STRESSES)
+        colours = ScalarMappable(Normalize(0, top / unit), _COLOURS)
         bar = figure.colorbar(colours, ax=[left, right], shrink=0.7, extend="max")
-        bar.set_label("von Mises stress, MPa")
+        bar.set_label(f"von Mises stress, {name}")
         figure.suptitle(title, fontsize=9)
     return figure
 
@@ -79,6 +84,16 @@ def _view(result: Simulation, moved: Float[np.ndarray, "V 3"]) -> View:
     """A view with both bodies and the arrows in it."""
     raised = [push.places - _ARROW * 1.1 * _unit(push.force) for push in result.pushes]
     return _VIEW.close_to([result.vertices, moved, *raised])
+
+
+def _unit_of(value: float, units: Units) -> tuple[float, str]:
+    """The largest unit of which there is at least one."""
+    return next((unit for unit in units if value >= unit[0]), units[-1])
+
+
+def _handy(value: float, units: Units) -> str:
+    unit, name = _unit_of(value, units)
+    return f"{value / unit:.3g} {name}"
 
 
 def _loads(result: Simulation) -> str:

@@ -30,11 +30,11 @@ MATERIALS = {
 """Presets.
 
 pinewood: red pine at 12 % moisture along the grain, taken as isotropic: Forest Products Laboratory, Wood
-Handbook (FPL-GTR-190, 2010), chapter 5: modulus 11.2 GPa in static bending and specific gravity 0.46 (oven-dry
-mass, so 1.12 times that with its water); Poisson's ratio is the mean of LR (0.347) and LT (0.315).
+Handbook (FPL-GTR-190, 2010), chapter 5: modulus 11.2 GPa in static bending and specific gravity 0.46 (of its
+oven-dry mass, so 1.12 times that with its water); Poisson's ratio is the mean of LR (0.347) and LT (0.315).
 steel: structural steel, EN 1993-1-1:2005, 3.2.6; density by EN 1991-1-1:2002, table A.4.
-rubber: natural rubber at small strain, middle of the ranges of Ashby, Materials Selection in Mechanical Design
-(4th ed. 2011), appendix A. Its ratio, 0.4999, is taken as 0.49.
+rubber: natural rubber at small strain, within the ranges of Ashby, Materials Selection in Mechanical Design
+(4th edition, 2011), appendix A. Its ratio, 0.4999, is taken as 0.49.
 """
 
 
@@ -69,6 +69,33 @@ class LoadCase(Options):
     def stuff(self) -> Material:
         """The material itself."""
         return MATERIALS[self.material] if isinstance(self.material, str) else self.material
+
+
+class RemeshOptions(Options):
+    """fTetWild (Hu et al. 2020), which meshes the inside of any surface anew."""
+
+    edge: float = Field(
+        0.05, gt=0, lt=1, description="length of edges to aim at, over the diagonal of the box around a shape"
+    )
+    envelope: float = Field(
+        0.001,
+        gt=0,
+        lt=0.1,
+        description="how far the new surface may lie from the old one, over that diagonal",
+    )
+    timeout_seconds: float = Field(120.0, gt=0, description="processor time after which a shape is given up")
+
+
+class SimulationOptions(Options):
+    """Samples under load, and some of them remeshed for comparison."""
+
+    models: list[str] = Field([], description="models whose samples are simulated")
+    samples: int = Field(200, ge=1, description="most samples of each model and mode, the first ones")
+    remeshed: int = Field(
+        20, ge=0, description="most of them whose surface is remeshed by fTetWild too (needs pytetwild)"
+    )
+    case: LoadCase = Field(LoadCase(), description="material, supports and loads")
+    remeshing: RemeshOptions = Field(RemeshOptions(), description="fTetWild")
 
 
 def read_material(text: str) -> str:

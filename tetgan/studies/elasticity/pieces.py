@@ -5,10 +5,10 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from tetgan.errors import UserError
 from tetgan.grids.adjacency import face_neighbors
 from tetgan.rendering.meshes import Solid
 from tetgan.studies.elasticity.assembly import rigid_motions
+from tetgan.studies.elasticity.errors import UnfitError
 
 _LOOSE = 1e-6  # how little of a motion the supports may see, over what they see of another, to leave it free
 
@@ -17,12 +17,12 @@ def label_pieces(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "T"]:
     """Number of the piece of each tet; tets of one piece are joined by faces, not by edges or vertices alone.
 
     Raises:
-        UserError: a face belongs to more than two tets.
+        UnfitError: a face belongs to more than two tets.
     """
     try:
         neighbors = face_neighbors(tets)
     except ValueError as error:
-        raise UserError(f"{error}; 'tetgan certify' tells what is wrong with the mesh") from None
+        raise UnfitError("shared face", f"{error}; 'tetgan certify' tells what is wrong") from None
     rows, slots = np.nonzero(neighbors >= 0)
     links = sparse.coo_array(
         (np.ones(len(rows), dtype=bool), (rows, neighbors[rows, slots])), shape=(len(tets),) * 2
@@ -34,7 +34,7 @@ def largest_piece(solid: Solid) -> Solid:
     """The piece with the most tets, on the vertices it uses; of equal ones the first.
 
     Raises:
-        UserError: a face belongs to more than two tets.
+        UnfitError: a face belongs to more than two tets.
     """
     labels = label_pieces(solid.tets)
     kept = solid.tets[labels == np.bincount(labels).argmax()]

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from tetgan.errors import UserError
+from tetgan.studies.elasticity.errors import UnfitError
 
 SIDES = {"left": (0, -1), "right": (0, 1), "floor": (1, -1), "top": (1, 1), "back": (2, -1), "front": (2, 1)}
 """Axis and direction of each named side; y points up, z to the front."""
@@ -84,15 +85,19 @@ def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.nda
         reach: of a named side, over the extent in its direction.
 
     Raises:
-        UserError: no such region, or nothing in it.
+        UserError: no such region.
+        UnfitError: nothing in it.
     """
-    chosen = (
-        _at_side(*SIDES[region], faces, reach) if region in SIDES else _inside(*_corners(region), faces.middles)
-    )
+    if region in SIDES:
+        chosen = _at_side(*SIDES[region], faces, reach)
+    else:
+        chosen = _inside(*_corners(region), faces.middles)
     if not chosen.any():
         low, high = (",".join(f"{value:.3g}" for value in corner) for corner in (faces.low, faces.high))
         remedy = "give a larger reach, or a box" if region in SIDES else "move its corners"
-        raise UserError(f"region '{region}' holds no face of the mesh, which spans {low}:{high}; {remedy}")
+        raise UnfitError(
+            "empty region", f"region '{region}' holds no face of the mesh, which spans {low}:{high}; {remedy}"
+        )
     return chosen
 
 
@@ -118,7 +123,5 @@ def _corners(region: str) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"
         if one.shape != (3,) or other.shape != (3,):
             raise ValueError
     except ValueError:
-        raise UserError(
-            f"region '{region}' is none of {', '.join(SIDES)}, nor a box 'x,y,z:x,y,z'"
-        ) from None
+        raise UserError(f"region '{region}' is none of {', '.join(SIDES)}, nor a box 'x,y,z:x,y,z'") from None
     return np.minimum(one, other), np.maximum(one, other)

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from scipy import sparse
 from scipy.sparse.linalg import cg, splu
 
-from tetgan.errors import UserError
+from tetgan.studies.elasticity.errors import UnfitError
 
 DIRECT_BELOW = 6000
 """Unknowns from which multigrid is quicker than a factorisation."""
@@ -53,7 +53,7 @@ def solve(
         direct_below: unknowns from which multigrid takes over.
 
     Raises:
-        UserError: the iteration does not converge.
+        UnfitError: the iteration does not converge.
     """
     matrix = _hold(stiffness, held)
     right = np.where(held, 0.0, load)
@@ -66,9 +66,10 @@ def solve(
         found, iterations = _by_multigrid(matrix, right, np.where(held[:, None], 0.0, motions))
     left = float(np.linalg.norm(right - matrix @ found) / np.linalg.norm(right))
     if not left < 100 * TOLERANCE:
-        raise UserError(
+        raise UnfitError(
+            "not solved",
             f"the equations are not solved (residual {left:.1e} after {iterations} iterations):"
-            " nearly flat tets, or a part that hangs by a thread; look at the mesh with 'tetgan certify'"
+            " nearly flat tets, or a part that hangs by a thread; look at the mesh with 'tetgan certify'",
         )
     return Solution(found, method, iterations, left)
 
