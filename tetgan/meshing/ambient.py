@@ -48,6 +48,11 @@ class Ambient:
         return face_neighbors(self.tets)
 
     @cached_property
+    def volumes(self) -> Float[np.ndarray, "T"]:
+        """Of the tets where nothing has moved."""
+        return tet_volumes(self.vertices, self.tets)
+
+    @cached_property
     def around_vertices(self) -> Around:
         """The tets around each vertex, joined by the faces that hold it."""
         return Around(self.tets, self.neighbors, _VERTEX_FACES)
@@ -78,8 +83,8 @@ class Ambient:
         weights = 1 / np.bincount(ends, minlength=len(self.vertices))
         return sparse.csr_array((weights[ends], (ends, others)), shape=(len(self.vertices),) * 2)
 
-    def outside(self, occupancy: Bool[np.ndarray, "N"]) -> Bool[np.ndarray, "T"]:
-        """Occupancy of the grid with that of the collar, which is empty, behind it."""
+    def with_collar(self, occupancy: Bool[np.ndarray, "N"]) -> Bool[np.ndarray, "T"]:
+        """Occupancy of the grid, and behind it that of the collar, which is empty."""
         return np.concatenate([occupancy, np.zeros(len(self.tets) - self.grid_tets, dtype=bool)])
 
 
