@@ -58,7 +58,9 @@ lock:  ## Resolve pyproject.toml anew and write requirements.lock
 	.venv-lock/bin/python -m pip install --quiet torch==2.13.0
 	.venv-lock/bin/python -m pip install --quiet --constraint requirements.in .[dev]
 	( echo "# Written by 'make lock' on $$($(PYTHON) --version); torch brings its own CUDA packages where it has them."; \
-	  .venv-lock/bin/python -m pip freeze --exclude tetgan | sed 's/+cpu$$//' | grep -v '^nvidia-\|^triton==' ) > requirements.lock
+	  .venv-lock/bin/python -m pip freeze --exclude tetgan | sed 's/+cpu$$//' | grep -v '^nvidia-\|^triton=='; \
+	  echo "# A CUDA build of torch brings its own version; beside a CPU build the newest serves, interpreted."; \
+	  echo "triton>=3.4; sys_platform == 'linux' and platform_machine == 'x86_64'" ) > requirements.lock
 	rm -rf .venv-lock
 
 clean:  ## Remove the environment; results stay
