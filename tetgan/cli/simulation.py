@@ -52,7 +52,7 @@ def simulate(
     from tetgan.studies.elasticity.figure import write_figure
     from tetgan.studies.elasticity.options import LoadCase, Material, read_material
     from tetgan.studies.elasticity.pieces import largest_piece
-    from tetgan.studies.simulation import read_tets, readable_record, write_simulation
+    from tetgan.studies.simulation import read_body, readable_record, write_simulation
     from tetgan.studies.simulation import simulate as run
 
     numbers = material.lstrip().startswith("{")
@@ -66,7 +66,7 @@ def simulate(
     values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}
     case = LoadCase.parse(values, "simulate")
     try:
-        solid = read_tets(mesh)
+        solid = read_body(mesh)
         result = run(largest_piece(solid) if largest else solid, case)
     except UserError as error:
         raise UserError(f"{mesh}: {error}") from None

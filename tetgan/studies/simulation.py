@@ -13,6 +13,8 @@ from scipy import sparse
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.grids.grid import tet_volumes
+from tetgan.meshing.orientation import orientations
+from tetgan.meshing.reading import read_solid
 from tetgan.rendering.meshes import Solid
 from tetgan.studies.elasticity.assembly import (
     Body,
@@ -177,7 +179,7 @@ def _check_tets(solid: Solid) -> None:
     """Refuse what has no solution, or one that means nothing."""
     if len(solid.tets) == 0:
         raise UnfitError("no tets", "the mesh has no tets")
-    bad = int((tet_volumes(solid.vertices, solid.tets) <= 0).sum())
+    bad = int((orientations(solid.vertices, solid.tets) <= 0).sum())
     if bad:
         raise UnfitError(
             "inverted tets",
@@ -239,22 +241,14 @@ def _check_held(problem: _Problem) -> None:
         )
 
 
-def read_tets(path: Path) -> Solid:
-    """The tets of a file in any format of meshio.
+def read_body(path: Path) -> Solid:
+    """The tets of a file, and the vertices they use.
 
     Raises:
-        UserError: no such file, or no tets in it.
+        UserError: it cannot be read, holds no tets, or a face has more than two.
     """
-    if not path.is_file():
-        raise UserError(f"{path}: no such file")
-    try:
-        mesh = meshio.read(path)
-    except (meshio.ReadError, ValueError, KeyError, SystemExit) as error:
-        raise UserError(f"{path}: not a mesh that meshio can read ({error})") from None
-    if "tetra" not in mesh.cells_dict:
-        raise UserError(f"{path}: no tets of four vertices in it; simulate a solid, such as a .vtu or .msh")
-    used, tets = np.unique(mesh.cells_dict["tetra"], return_inverse=True)
-    return Solid(mesh.points[used].astype(np.float64), tets.reshape(-1, 4).astype(np.int64))
+    mesh = read_solid(path)
+    return Solid(mesh.vertices, mesh.tets)
 
 
 def write_simulation(path: Path, result: Simulation) -> None:

@@ -17,13 +17,14 @@ from scipy.spatial import Delaunay, QhullError
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.grids.grid import tet_volumes
+from tetgan.meshing.orientation import orientations
 from tetgan.rendering.meshes import Solid, finished_samples, sample_ids
 from tetgan.shapes.soup import ShapeError
 from tetgan.studies.elasticity.errors import UnfitError
 from tetgan.studies.elasticity.options import LoadCase, SimulationOptions
 from tetgan.studies.elasticity.pieces import label_pieces, largest_piece
 from tetgan.studies.elasticity.remesh import RemeshWorker, can_remesh
-from tetgan.studies.simulation import Simulation, read_tets, simulate
+from tetgan.studies.simulation import Simulation, read_body, simulate
 
 log = logging.getLogger(__name__)
 
@@ -106,12 +107,12 @@ def _pieces_in_order(folder: Path) -> Iterator[tuple[str, Solid, bool]]:
         path = folder / "generated" / f"{name}.vtu"
         if not path.is_file():
             continue
-        solid = read_tets(path)
+        solid = read_body(path)
         try:
             piece = largest_piece(solid)
         except UnfitError:
             continue
-        if (tet_volumes(*piece) <= 0).any():
+        if (orientations(*piece) <= 0).any():
             continue
         if len(piece.tets) == len(solid.tets):
             yield name, piece, True
@@ -139,7 +140,7 @@ def _simulate_one(folder: Path, name: str, case: LoadCase) -> tuple[dict[str, An
     path = folder / "generated" / f"{name}.vtu"
     if not path.is_file():
         return {"reason": EMPTY}, None
-    solid = read_tets(path)
+    solid = read_body(path)
     start = time.perf_counter()
     try:
         pieces = int(label_pieces(solid.tets).max()) + 1

@@ -35,7 +35,7 @@ def draw_simulation(result: Simulation, title: str) -> Figure:
 
     Args:
         result: of a body in the unit cube.
-        title: text above both.
+        title: what it is.
     """
     times = exaggeration(result)
     moved = result.vertices + times * result.displacement / result.size
@@ -50,7 +50,7 @@ def draw_simulation(result: Simulation, title: str) -> Figure:
     with plot_style():
         figure = Figure(figsize=(WIDTH, 0.47 * WIDTH), layout="constrained")
         left, right = figure.subplots(1, 2)
-        _show(left, rest, f"at rest, with {_loads(result)}")
+        _show(left, rest, f"{title}, with {_loads(result)} on it")
         for push in result.pushes:
             _draw_arrows(left, push, view)
         _show(right, bent, f"moves {_handy(peak, _LENGTHS)} at most, shown {times:,g} times")
@@ -59,7 +59,6 @@ def draw_simulation(result: Simulation, title: str) -> Figure:
         colours = ScalarMappable(Normalize(0, top / unit), _COLOURS)
         bar = figure.colorbar(colours, ax=[left, right], shrink=0.7, extend="max")
         bar.set_label(f"von Mises stress, {name}")
-        figure.suptitle(title, fontsize=9)
     return figure
 
 

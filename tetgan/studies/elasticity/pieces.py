@@ -2,10 +2,8 @@
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
-from tetgan.grids.adjacency import face_neighbors
+from tetgan.meshing.connectivity import connect_tets
 from tetgan.rendering.meshes import Solid
 from tetgan.studies.elasticity.assembly import rigid_motions
 from tetgan.studies.elasticity.errors import UnfitError
@@ -19,15 +17,13 @@ def label_pieces(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "T"]:
     Raises:
         UnfitError: a face belongs to more than two tets.
     """
-    try:
-        neighbors = face_neighbors(tets)
-    except ValueError as error:
-        raise UnfitError("shared face", f"{error}; 'tetgan certify' tells what is wrong") from None
-    rows, slots = np.nonzero(neighbors >= 0)
-    links = sparse.coo_array(
-        (np.ones(len(rows), dtype=bool), (rows, neighbors[rows, slots])), shape=(len(tets),) * 2
-    )
-    return connected_components(links, directed=False)[1].astype(np.int64)
+    found = connect_tets(tets)
+    if found.crowded_faces:
+        raise UnfitError(
+            "crowded faces",
+            f"{found.crowded_faces} faces belong to more than two tets; 'tetgan certify' tells more",
+        )
+    return found.component
 
 
 def largest_piece(solid: Solid) -> Solid:
