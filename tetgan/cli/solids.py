@@ -45,7 +45,7 @@ def export(
     outputs: Annotated[
         list[Path],
         typer.Argument(
-            help="Files to write: solids (.msh .vtu .vtk .mesh .inp .xdmf .npz) or surfaces (.ply .obj .stl .glb)"
+            help="Solids (.msh .vtu .vtk .mesh .inp .xdmf .npz) or surfaces (.ply .obj .stl .glb) to write."
         ),
     ],
     msh_version: Annotated[

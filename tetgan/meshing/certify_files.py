@@ -40,10 +40,8 @@ def certify_files(paths: Sequence[Path], out: Path | None) -> list[Certified]:
     if out is not None:
         for name in {name for name in names if names.count(name) > 1}:
             raise UserError(f"{name}: two meshes of this name; certify their folders apart")
-    found = [
-        Certified(name, file, _certify_file(file))
-        for name, (_, file) in zip(names, _shown(files), strict=True)
-    ]
+    shown = track(files, "certifying", console=Console(stderr=True), transient=True, disable=len(files) < 2)
+    found = [Certified(name, file, _certify_file(file)) for name, (_, file) in zip(names, shown, strict=True)]
     if out is not None:
         _write(found, out)
     return found
