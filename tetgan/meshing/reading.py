@@ -12,7 +12,7 @@ from tetgan.grids.adjacency import boundary_faces
 from tetgan.meshing.solid import SolidMesh
 
 SUFFIXES = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz")
-"""Formats of tet meshes that are looked for in folders; a file named by itself may have any that meshio reads."""
+"""Formats that are looked for in folders; a file named by itself may have any that meshio reads."""
 
 _SOLID_CELLS = ("tetra", "hexahedron", "wedge", "pyramid", "polyhedron")
 
@@ -29,7 +29,9 @@ def read_tets(path: Path) -> tuple[np.ndarray, np.ndarray]:
         raise UserError(f"{path}: no such file")
     vertices, tets = _read_arrays(path) if path.suffix == ".npz" else _read_meshio(path)
     if vertices.ndim != 2 or vertices.shape[1] != 3 or tets.ndim != 2 or tets.shape[1] != 4:
-        raise UserError(f"{path}: expected vertices (V, 3) and tets (T, 4), got {vertices.shape}, {tets.shape}")
+        raise UserError(
+            f"{path}: expected vertices (V, 3) and tets (T, 4), got {vertices.shape}, {tets.shape}"
+        )
     if len(tets) and not 0 <= tets.min() <= tets.max() < len(vertices):
         raise UserError(f"{path}: a tet has a vertex that is not there")
     if not np.isfinite(vertices[tets]).all():
@@ -73,7 +75,7 @@ def _read_arrays(path: Path) -> tuple[np.ndarray, np.ndarray]:
         with np.load(path, allow_pickle=False) as arrays:
             return arrays["vertices"].astype(np.float64), arrays["tets"].astype(np.int64)
     except Exception as error:  # a damaged archive fails in many ways
-        raise UserError(f"{path}: not a tet mesh, an archive with vertices and tets ({error})") from None
+        raise UserError(f"{path}: not an archive of vertices and tets ({error})") from None
 
 
 def _read_meshio(path: Path) -> tuple[np.ndarray, np.ndarray]:

@@ -34,11 +34,13 @@ EMPTY = "nothing in it"
 _KEPT = ("tets", "unknowns", "iterations", "residual", "peak_displacement", "stress_p99", "work", "imbalance")
 
 
-class Standing(NamedTuple):
-    """A sample that was simulated as it is, and stands."""
+class Shown(NamedTuple):
+    """A sample, whether all of it was simulated or its largest piece, and whether that stands."""
 
     sample: str
     result: Simulation
+    whole: bool
+    standing: bool
 
 
 def study_simulation(
@@ -74,30 +76,29 @@ def study_simulation(
         pd.DataFrame(rows).to_csv(partial, index=False)
 
 
-def first_standing(samples: Path, case: LoadCase) -> Standing:
-    """The first sample that is one piece of valid tets and stands; failing that, the first that stands alone.
+def first_standing(samples: Path, case: LoadCase) -> Shown:
+    """The first sample that is one piece of valid tets and stands.
 
-    "Alone" means without its other pieces. If none stands, the first that can be simulated.
+    Where there is none, the first whose largest piece stands; and where there is none of these either, the
+    first that can be simulated.
 
     Raises:
         UserError: no sample can be simulated.
     """
     folder = finished_samples(samples)
-    fallback: dict[bool, Standing] = {}
+    fallback: Shown | None = None
     for name, solid, whole in _pieces_in_order(folder):
-        if not whole and fallback:
-            break
         try:
-            found = Standing(name, simulate(solid, case))
+            result = simulate(solid, case)
         except UnfitError:
             continue
-        stands = is_standing(found.result)
-        if whole and stands:
+        found = Shown(name, result, whole, is_standing(result))
+        if found.standing:
             return found
-        fallback.setdefault(stands, found)
-    if not fallback:
+        fallback = fallback or found
+    if fallback is None:
         raise UserError(f"{folder}: none of its samples can be simulated")
-    return fallback.get(True) or fallback[False]
+    return fallback
 
 
 def _pieces_in_order(folder: Path) -> Iterator[tuple[str, Solid, bool]]:

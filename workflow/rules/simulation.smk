@@ -32,7 +32,7 @@ rule simulate_samples:
     params:
         options=section("studies", "simulation"),
         identity=study_identity,
-        code=stage_digest("meshing/reading", "meshing/orientation", *SIMULATION),
+        code=stage_digest(*SIMULATION),
     shell:
         "tetgan simulation-study {input.samples:q} {output.study:q} --options {params.options:q}"
         " --identity {params.identity:q} >{log:q} 2>&1"
@@ -41,11 +41,12 @@ rule simulate_samples:
 rule make_simulation_table:
     input:
         studies=expand(
-            "<results>/studies/simulation/{category}/{model}/{seed}/{mode}.csv",
+            each_mode(
+                "<results>/studies/simulation/{{category}}/{model}/{seed}/{mode}.csv",
+                SIMULATED,
+                seeds=config["seeds"][:1],
+            ),
             category=config["categories"],
-            model=SIMULATED,
-            seed=config["seeds"][:1],
-            mode=MODES,
         ),
     output:
         table=report(
@@ -69,11 +70,11 @@ rule make_simulation_table:
 
 rule draw_simulation:
     input:
-        samples=expand(
+        samples=each_mode(
             "<results>/samples/{{category}}/{model}/{seed}/{mode}",
-            model=SIMULATED[:1],
-            seed=config["seeds"][:1],
-            mode=MODES[:1],
+            SIMULATED[:1],
+            modes=SETTINGS.shown_mode,
+            seeds=config["seeds"][:1],
         ),
     output:
         picture=report(
