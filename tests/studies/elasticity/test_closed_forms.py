@@ -29,7 +29,7 @@ def test_a_bar_in_tension_is_exact(bar, order):
 
 
 def test_a_column_shortens_under_its_own_weight(bar):
-    """Held at the foot, without Poisson's effect: the top sinks by rho g L^2 / 2E, a quadratic displacement."""
+    """Held at its foot, without Poisson's effect, its top sinks by rho g L^2 / 2E: a quadratic displacement."""
     solid = bar(8, 1)
     upright = solid._replace(vertices=solid.vertices[:, [1, 0, 2]], tets=solid.tets[:, [0, 2, 1, 3]])
     stuff = STUFF.model_copy(update={"poisson": 0.0})
