@@ -34,7 +34,7 @@ def simulate(
     gravity: Annotated[bool, typer.Option(help="Add the body's own weight.")] = False,
     size: Annotated[float, typer.Option(help="Metres that one unit of the mesh stands for.")] = 1.0,
     order: Annotated[int, typer.Option(help="Degree of the elements; degree 1 is too stiff in bending.")] = 2,
-    reach: Annotated[float, typer.Option(help="Depth of a side's region, over the mesh's extent.")] = 0.05,
+    reach: Annotated[float, typer.Option(help="Depth of a side, over the mesh's longest extent.")] = 0.05,
     largest: Annotated[bool, typer.Option(help="Simulate the largest piece alone.")] = False,
     out: Annotated[
         Path | None, typer.Option(help="Mesh (.vtu) to write, with displacement and stress.")

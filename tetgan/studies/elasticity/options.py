@@ -61,8 +61,8 @@ class LoadCase(Options):
         0.05,
         ge=0,
         le=1,
-        description="how far from the outermost point a face may be that belongs to a side such as the floor,"
-        " over the extent in that direction",
+        description="depth of a side such as the floor, from the outermost face that looks there, over the"
+        " longest extent of the mesh",
     )
 
     @property
