@@ -18,7 +18,7 @@ from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.fields.options import PointOptions, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
-from tetgan.meshing.options import MeshingOptions
+from tetgan.meshing.options import MeshingOptions, Mode
 from tetgan.models.kind import ModelKind
 from tetgan.models.kinds import MODULE_NAME, ModelOptions, find_kind, kind_of, load_plugins, loaded_kinds
 from tetgan.models.like import allow_like, resolve_like
@@ -31,12 +31,15 @@ from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions
 
 TABLES = {
-    *("fid", "variety", "reconstruction", "manifold", "dataset", "runtime"),
-    *("ablation", "resolution", "smoothing"),
+    *("fid", "variety", "reconstruction", "manifold", "quality", "dataset", "runtime"),
+    *("ablation", "resolution", "smoothing", "simulation"),
 }
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
 
 ModuleName = Annotated[str, Field(pattern=MODULE_NAME)]
+ONE_MODE = ("pca", "deftet")
+"""Kinds of model on a grid that are yardsticks for their fields: meshed in the first mode only."""
+
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
@@ -109,11 +112,19 @@ class Config(Options):
     )
     sampling: SamplingOptions = Field(SamplingOptions(), description="shapes drawn from each model")
     meshing: MeshingOptions = Field(MeshingOptions(), description="from a field to a mesh")
+    modes: list[Mode] = Field(
+        ["paper", "solid"],
+        min_length=1,
+        description="how samples of TetGANs and of ground-truth fields are meshed, a row of the tables each; "
+        "all other models and the ablations are meshed in the first mode",
+    )
     extractor: ExtractorOptions = Field(
         ExtractorOptions(), description="the PointNet++ classifier behind FID and KID"
     )
     evaluation: EvaluationOptions = Field(EvaluationOptions(), description="metrics and their intervals")
-    studies: StudyOptions = Field(StudyOptions(), description="resolution and smoothing, beside the tables")
+    studies: StudyOptions = Field(
+        StudyOptions(), description="resolution, smoothing and simulation, beside the tables"
+    )
     latent: LatentOptions = Field(LatentOptions(), description="interpolations and sums of latents")
     nearest: NearestOptions = Field(NearestOptions(), description="nearest training shapes of samples")
     figures: FigureOptions = Field(FigureOptions(), description="what the figures show")
@@ -143,9 +154,10 @@ class Config(Options):
         for name in self.figures.models or []:
             if name not in self.models:
                 raise ValueError(f"figures.models: '{name}' is not one of {sorted(self.models)}")
-        for name in self.studies.smoothing.models:
-            if name not in self.models:
-                raise ValueError(f"studies.smoothing.models: '{name}' has no entry under models")
+        for study in ("smoothing", "simulation"):
+            for name in getattr(self.studies, study).models:
+                if name not in self.models:
+                    raise ValueError(f"studies.{study}.models: '{name}' has no entry under models")
         return self
 
     def _check_data(self, name: str, model: Any) -> None:
@@ -199,6 +211,17 @@ class Config(Options):
             return MeshingOptions.parse(self.meshing.model_dump() | own, "meshing")
         except UserError as error:
             raise ValueError(f"models.{model}.{error}") from None
+
+    def modes_of(self, model: str) -> list[Mode]:
+        """Modes in which a model's samples are meshed; where it gives no fields, there is only a name."""
+        options = self.models[model]
+        several = hasattr(options, "grid") and options.kind not in ONE_MODE
+        return self.modes if several else self.modes[:1]
+
+    def shown_mode(self, model: str) -> Mode:
+        """The mode of figures: that of `meshing`, where the model is meshed so."""
+        modes = self.modes_of(model)
+        return self.meshing.mode if self.meshing.mode in modes else modes[0]
 
     def trained_as(self, model: str) -> str:
         """The first model that is trained in the same way: those that only mesh differently share weights."""
