@@ -200,6 +200,17 @@ def weight_gradient(
     return partial.sum(dim=0).to(x.dtype)
 
 
+def conv_and_weight_gradient(
+    x: Float[Tensor, "T B C"],
+    weight: Float[Tensor, "5 C D"],
+    other: Float[Tensor, "T B E"],
+    neighbors: TetNeighbors,
+    side: Side,
+) -> tuple[Float[Tensor, "T B D"], Float[Tensor, "5 C E"]]:
+    """Σ_s shift_s(x) W_s, and shift_s(x)ᵀ `other` of every slot; one kernel each."""
+    return conv(x, weight, None, neighbors, side), weight_gradient(x, other, neighbors, side)
+
+
 def try_out() -> None:
     """Run both kernels on two tets; raises whatever keeps them from running."""
     neighbors = TetNeighbors(np.array([[1, -1, -1, -1], [0, -1, -1, -1]])).to("cuda")
