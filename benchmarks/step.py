@@ -38,9 +38,9 @@ MODEL = TetganOptions.parse(
     }
 )
 TRAINING = TrainingOptions(batch_size=BATCH, device="cpu")
-# Of each loss, or of 0.01 where one is smaller: gaps are differences of means. Once weights have moved, the
-# gradient that the penalty measures may pass another way through max pooling, so that rounding shows more.
-TOLERANCE, MOVED_TOLERANCE = 1e-4, 1e-2
+# Of each loss, or of 0.01 where one is smaller: gaps are differences of means. A penalty measures a gradient,
+# which may pass another way through max pooling where two features are equal but for rounding.
+TOLERANCE, PENALTY_TOLERANCE, MOVED_TOLERANCE = 1e-4, 1e-3, 1e-2
 SIDES = "naive", "ours"
 
 
@@ -121,7 +121,7 @@ def _assert_equal(case: Case, tolerance: float, rate: float) -> None:
         losses[name] = iterate(side, case.fields, 0)
     for name, expected in losses["naive"].items():
         difference = abs(losses["ours"][name] - expected) / max(abs(expected), 0.01)
-        if difference > tolerance:
+        if difference > (max(tolerance, PENALTY_TOLERANCE) if "penalty" in name else tolerance):
             raise AssertionError(f"{name}: {losses['ours'][name]} in place of {expected} at rate {rate}")
 
 
