@@ -28,6 +28,7 @@ from torch.utils._pytree import tree_leaves
 from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.hierarchy import GridHierarchy, build_hierarchy
 from tetgan.models.options import TetganOptions
+from tetgan.nn import norm
 from tetgan.nn.conv import SLOTS
 from tetgan.training.learner import Learner
 from tetgan.training.loop import step_draws
@@ -117,7 +118,8 @@ def _computed() -> Iterator[LiveBytes]:
     """Tensors that have a size and no content."""
     outputs = patch("tetgan.nn.conv.kernels", lambda _: Outputs)
     stay = patch.object(torch.nn.Module, "to", lambda module, _: module)  # fake ones cannot be swapped
-    with outputs, stay, FakeTensorMode(allow_non_fake_inputs=True), LiveBytes() as live:
+    chunks = patch.object(norm, "CPU_CHUNK", norm.GPU_CHUNK)
+    with outputs, chunks, stay, FakeTensorMode(allow_non_fake_inputs=True), LiveBytes() as live:
         yield live
 
 
