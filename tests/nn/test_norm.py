@@ -3,6 +3,7 @@
 import torch
 from torch.nn import functional
 
+from tetgan.nn import norm
 from tetgan.nn.norm import TetInstanceNorm
 
 
@@ -62,3 +63,17 @@ def test_the_second_derivative_keeps_one_tensor_more():
         (gradient,) = torch.autograd.grad(y, x, cotangent, create_graph=True)
         gradient.square().sum()
     assert kept == {t.untyped_storage().data_ptr() for t in (y, cotangent, gradient)}
+
+
+def test_chunks_change_nothing_but_rounding(monkeypatch):
+    x = (draw(50, 2, 5) + 3).requires_grad_()
+
+    def derivatives():
+        y = TetInstanceNorm()(x)
+        (first,) = torch.autograd.grad(y.square().sum(), x, create_graph=True)
+        return y, first, *torch.autograd.grad(first.square().sum(), x)
+
+    whole = derivatives()
+    monkeypatch.setattr(norm, "CPU_CHUNK", 70)  # seven tets at a time, and one in the end
+    for cut, expected in zip(derivatives(), whole, strict=True):
+        torch.testing.assert_close(cut, expected, rtol=1e-12, atol=1e-12)
