@@ -73,7 +73,7 @@ def test_a_run_that_was_stopped_ends_like_one_that_was_not(boxes, trained, tmp_p
     splits = read_splits(boxes, OPTIONS, torch.device("cpu"))
 
     def run() -> ClassifierTrainer:
-        return ClassifierTrainer(*splits, ["lying", "standing"], OPTIONS, tmp_path, checkpoint_seconds=0)
+        return ClassifierTrainer(*splits, ["lying", "standing"], OPTIONS, tmp_path, checkpoint_seconds=0.0)
 
     stopped = run()
     take_step = stopped.take_step
