@@ -18,7 +18,7 @@ def naive_tet_conv(
     bias: Float[Tensor, "D"] | None,
     neighbors: Int[Tensor, "T 5"],
 ) -> Float[Tensor, "B T D"]:
-    """Pad with a zero row, index, reshape, one linear layer on 5 C inputs; `neighbors` are those of `around`."""
+    """Pad with a zero row, index, reshape, one linear layer on 5 C inputs; `neighbors` as in `around`."""
     padded = functional.pad(x, (0, 0, 0, 1))
     return functional.linear(padded[:, neighbors].flatten(2), weight, bias)
 

@@ -25,7 +25,7 @@ from tetgan.training.learner import Learner
 class NaiveConv(nn.Module):
     def __init__(self, conv: TetConv, neighbors: Tensor) -> None:
         super().__init__()
-        self.weight = nn.Parameter(linear_form(conv.weight.detach()))
+        self.weight = nn.Parameter(linear_form(conv.weight.detach()).clone())
         self.bias = None if conv.bias is None else nn.Parameter(conv.bias.detach().clone())
         self.neighbors = neighbors
 
@@ -126,7 +126,7 @@ class NaiveGlobalCritic(nn.Module):
     def __init__(self, ours: GlobalCritic, hierarchy: GridHierarchy) -> None:
         super().__init__()
         self.layers = NaiveLayers(ours.blocks, hierarchy, hierarchy.depth)
-        self.score = nn.Linear(ours.score.in_features, 1)
+        self.score = nn.Linear(ours.score.in_features, 1, bias=False)
         self.score.load_state_dict(ours.score.state_dict())
 
     def forward(self, field: Tensor) -> Tensor:
@@ -147,7 +147,10 @@ class NaiveLearner:
         )
         matrix = vertex_operator.tocoo()
         self.vertices = torch.sparse_coo_tensor(
-            np.stack([matrix.row, matrix.col]), matrix.data.astype(np.float32), matrix.shape
+            np.stack([matrix.row, matrix.col]),
+            matrix.data.astype(np.float32),
+            matrix.shape,
+            check_invariants=True,
         ).coalesce()
         self.latent_shape = ours.generator.latent_shape
         self.optimizer = self._adam(self.generator, self.options.learning_rate)

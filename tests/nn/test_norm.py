@@ -46,8 +46,8 @@ def test_half_precision_features_are_summed_in_single_precision():
     torch.testing.assert_close(ours.double(), theirs, rtol=0, atol=2**-5)
 
 
-def test_the_second_derivative_keeps_two_tensors_more():
-    """The incoming gradient and its own; what they are made of is computed again."""
+def test_the_second_derivative_keeps_one_tensor_more():
+    """The incoming gradient; the rest is computed again. (The square at the end keeps what it is of.)"""
     kept = set()
 
     def note(tensor: torch.Tensor) -> torch.Tensor:

@@ -1,4 +1,8 @@
-"""The two Wasserstein critics: one looks at patches, one at the whole grid (paper's supplement A)."""
+"""The two Wasserstein critics: one looks at patches, one at the whole grid (paper's supplement A).
+
+Their last layers have no bias: only differences of scores count, so its gradient would be nothing but
+rounding, which Adam enlarges to whole steps.
+"""
 
 from jaxtyping import Float
 from torch import Tensor, nn
@@ -19,7 +23,7 @@ class LocalCritic(nn.Module):
         neighbors = hierarchy.neighbors[-1]
         widths = [width * 2**step for step in range(LOCAL_DOUBLINGS + 1)]
         self.layers = conv_layers([FIELD_CHANNELS, *widths], neighbors)
-        self.score = TetConv(widths[-1], 1, neighbors)
+        self.score = TetConv(widths[-1], 1, neighbors, bias=False)
 
     def forward(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B"]:
         """Larger for fields that look real; occupancy as a probability."""
@@ -39,7 +43,7 @@ class GlobalCritic(nn.Module):
             blocks.append(conv_layers(steps, hierarchy.neighbors[level], TetPool() if level > 0 else None))
             channels = widths[level]
         self.blocks = Stages(*blocks)
-        self.score = nn.Linear(hierarchy.tets[0] * channels, 1)
+        self.score = nn.Linear(hierarchy.tets[0] * channels, 1, bias=False)
 
     def forward(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B"]:
         """Larger for fields that look real; occupancy as a probability."""

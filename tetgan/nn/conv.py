@@ -3,56 +3,18 @@
 import math
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
 import torch
-from jaxtyping import Float, Int
-from scipy import sparse
+from jaxtyping import Float
 from torch import Tensor, nn
 
-from tetgan.nn.rows import RowMap
+from tetgan.nn.backends import reference
+from tetgan.nn.backends.choice import Kernels, backend_for, conv_backend, kernels
+from tetgan.nn.neighbors import SLOTS, Side, TetNeighbors
 
-SLOTS = 5  # the tet itself, then its neighbor across the face opposite each of its four vertices
-THIN = 8  # channels below which five products are too thin to keep a core busy
-
-
-class TetNeighbors(nn.Module):
-    """Face adjacency of one grid, prepared for gathering in both directions.
-
-    `neighbors` (T, 4) as in `TetGrid`: -1 stands for the outside, whose row is zero. Convolutions over
-    `ordered` neighbors tell the four slots apart; over unordered ones they share a matrix among them, as
-    a graph convolution does.
-    """
-
-    def __init__(self, neighbors: Int[np.ndarray, "T 4"], *, ordered: bool = True) -> None:
-        super().__init__()
-        self.ordered = ordered
-        self.slots = nn.ModuleList(RowMap(_selection(neighbors[:, slot])) for slot in range(SLOTS - 1))
-        self.tets = len(neighbors)
-
-
-def _selection(rows: Int[np.ndarray, "T"]) -> sparse.csr_array:
-    """The (T, T) matrix that picks `rows`, and a zero row for -1."""
-    picked = np.flatnonzero(rows >= 0)
-    ones = np.ones(len(picked), dtype=np.float32)
-    return sparse.csr_array((ones, (picked, rows[picked])), shape=(len(rows), len(rows)))
-
-
-@dataclass(frozen=True)
-class _Shifts:
-    """The five row maps of a convolution (`side` "product") or of its adjoint ("adjoint")."""
-
-    neighbors: TetNeighbors
-    side: str = "product"
-
-    def __call__(self, x: Tensor, slot: int) -> Tensor:
-        return x if slot == 0 else self.neighbors.slots[slot - 1].sum_rows(x, self.side)  # type: ignore[operator]
-
-    @property
-    def adjoint(self) -> "_Shifts":
-        return _Shifts(self.neighbors, "adjoint" if self.side == "product" else "product")
+__all__ = ["SLOTS", "TetConv", "TetNeighbors", "conv_backend", "input_gradients_only", "tet_conv"]
 
 
 def tet_conv(
@@ -71,13 +33,16 @@ def tet_conv(
 
     Returns:
         Features of the same tets; the gradients are differentiable again, as gradient penalties need.
+        Which kernels compute them depends on the device: see `conv_backend`.
     """
     if torch.is_autocast_enabled(x.device.type):
         dtype = torch.get_autocast_dtype(x.device.type)
         x, weight = x.to(dtype), weight.to(dtype)
         bias = bias if bias is None else bias.to(dtype)
-    y = _Conv.apply(x, weight, _Shifts(neighbors))
-    return y if bias is None else y + bias
+    backend = backend_for(x.device, x.dtype)
+    if backend == "reference":
+        return reference.tet_conv(x, weight, bias, neighbors)
+    return _Conv.apply(x, weight, bias, _Shifts(neighbors, kernels(backend)))
 
 
 _weights_wanted = True
@@ -97,24 +62,41 @@ def input_gradients_only() -> Iterator[None]:
         _weights_wanted = True
 
 
+@dataclass(frozen=True)
+class _Shifts:
+    """The five row maps of a convolution (`side` "product") or of its adjoint, and who computes with them."""
+
+    neighbors: TetNeighbors
+    kernels: Kernels
+    side: Side = "product"
+
+    @property
+    def adjoint(self) -> "_Shifts":
+        return replace(self, side="adjoint" if self.side == "product" else "product")
+
+
 class _Conv(torch.autograd.Function):
-    """Σ_s shift_s(x) W_s. Its adjoint is the same sum with adjoint shifts and transposed matrices."""
+    """Σ_s shift_s(x) W_s + bias. Its adjoint is the same sum with adjoint shifts and transposed matrices."""
 
     @staticmethod
-    def forward(ctx: Any, x: Tensor, weight: Tensor, shifts: _Shifts) -> Tensor:
+    def forward(ctx: Any, x: Tensor, weight: Tensor, bias: Tensor | None, shifts: _Shifts) -> Tensor:
         ctx.save_for_backward(x, weight)
         ctx.shifts = shifts
-        return _sum_of_products(x, weight, shifts)
+        return shifts.kernels.conv(x, weight, bias, shifts.neighbors, shifts.side)
 
     @staticmethod
-    def backward(ctx: Any, grad: Tensor) -> tuple[Tensor | None, Tensor | None, None]:  # type: ignore[override]
+    def backward(  # type: ignore[override]
+        ctx: Any, grad: Tensor
+    ) -> tuple[Tensor | None, Tensor | None, Tensor | None, None]:
         x, weight = ctx.saved_tensors
-        dx = dweight = None
+        dx = dweight = dbias = None
         if ctx.needs_input_grad[0]:
-            dx = _Conv.apply(grad, weight.mT, ctx.shifts.adjoint)
+            dx = _Conv.apply(grad, weight.mT, None, ctx.shifts.adjoint)
         if ctx.needs_input_grad[1] and _weights_wanted:
             dweight = _WeightGradient.apply(x, grad, ctx.shifts)
-        return dx, dweight, None
+        if ctx.needs_input_grad[2] and _weights_wanted:
+            dbias = grad.sum(dim=(0, 1))
+        return dx, dweight, dbias, None
 
 
 class _WeightGradient(torch.autograd.Function):
@@ -124,56 +106,17 @@ class _WeightGradient(torch.autograd.Function):
     def forward(ctx: Any, x: Tensor, grad: Tensor, shifts: _Shifts) -> Tensor:
         ctx.save_for_backward(x, grad)
         ctx.shifts = shifts
-        return _products_over_tets(x, grad, shifts)
+        return shifts.kernels.weight_gradient(x, grad, shifts.neighbors, shifts.side)
 
     @staticmethod
     def backward(ctx: Any, weight: Tensor) -> tuple[Tensor | None, Tensor | None, None]:  # type: ignore[override]
         x, grad = ctx.saved_tensors
         dx = dgrad = None
         if ctx.needs_input_grad[0]:
-            dx = _Conv.apply(grad, weight.mT, ctx.shifts.adjoint)
+            dx = _Conv.apply(grad, weight.mT, None, ctx.shifts.adjoint)
         if ctx.needs_input_grad[1]:
-            dgrad = _Conv.apply(x, weight, ctx.shifts)
+            dgrad = _Conv.apply(x, weight, None, ctx.shifts)
         return dx, dgrad, None
-
-
-def _sum_of_products(x: Tensor, weight: Tensor, shifts: _Shifts) -> Tensor:
-    """Σ_s shift_s(x) W_s; shifting commutes with multiplying, so the thinner of the two sides is shifted."""
-    (tets, batch, _), (_, thickness, out) = x.shape, weight.shape
-    if out < thickness:
-        y = torch.matmul(x, weight[0])
-        for slot in range(1, SLOTS):
-            y += shifts(torch.matmul(x, weight[slot]), slot)
-        return y
-    if thickness <= THIN:
-        return torch.matmul(_columns(x, shifts), weight.flatten(0, 1))
-    y = torch.mm(_flat(x), weight[0])
-    for slot in range(1, SLOTS):
-        y.addmm_(_flat(shifts(x, slot)), weight[slot])
-    return y.view(tets, batch, out)
-
-
-def _products_over_tets(x: Tensor, grad: Tensor, shifts: _Shifts) -> Tensor:
-    """shift_s(x)ᵀ g of every slot, (5, C, D); again the thinner side is shifted."""
-    wide_in, wide_out = x.shape[-1], grad.shape[-1]
-    if wide_in < wide_out:
-        if wide_in <= THIN:
-            return torch.mm(_flat(_columns(x, shifts)).T, _flat(grad)).view(SLOTS, wide_in, wide_out)
-        return torch.stack([torch.mm(_flat(shifts(x, slot)).T, _flat(grad)) for slot in range(SLOTS)])
-    back = shifts.adjoint
-    if wide_out <= THIN:
-        products = torch.mm(_flat(x).T, _flat(_columns(grad, back)))
-        return products.view(wide_in, SLOTS, wide_out).transpose(0, 1).contiguous()
-    return torch.stack([torch.mm(_flat(x).T, _flat(back(grad, slot))) for slot in range(SLOTS)])
-
-
-def _columns(x: Tensor, shifts: _Shifts) -> Tensor:
-    """All five shifted copies side by side, (T, B, 5 C)."""
-    return torch.cat([shifts(x, slot) for slot in range(SLOTS)], dim=-1)
-
-
-def _flat(x: Tensor) -> Tensor:
-    return x.reshape(-1, x.shape[-1])
 
 
 class TetConv(nn.Module):

@@ -50,8 +50,8 @@ class _NormActivate(torch.autograd.Function):
 class _Gradient(torch.autograd.Function):
     """r (h − mean(h) − x̂ mean(h x̂)) with h = g leaky'(x̂), less x̂ r² / T for each unit of r's own gradient.
 
-    Its derivative is written out: as plain operations it would keep five more tensors of this size, and in a
-    gradient penalty these are what fills the memory.
+    Its derivative is written out: as plain operations it would keep three tensors of this size in place of
+    one, and in a gradient penalty these are what fills the memory.
     """
 
     @staticmethod

@@ -102,7 +102,7 @@ def joined(module: nn.Module) -> nn.Module:
     """
     if process_count() == 1:
         return module
-    return DistributedDataParallel(module, find_unused_parameters=True, broadcast_buffers=False)
+    return DistributedDataParallel(module, find_unused_parameters=True, forward_sync_buffers=False)
 
 
 @contextmanager

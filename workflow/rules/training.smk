@@ -23,6 +23,7 @@ rule train_model:
     threads: training_threads
     resources:
         mem_mb=training_mem_mb,
+        gpu=0,  # a profile grants them; several share the batches of a TetGAN
     params:
         folder=subpath(output.weights, parent=True),
         model=model_options,
@@ -31,7 +32,8 @@ rule train_model:
         code=model_code("tetgan.training.run", "nn", "models", "training"),
     shell:
         "tetgan train {input.index:q} {params.folder:q} --model {params.model:q}"
-        " --training {params.training:q} --seed {wildcards.seed} --threads {threads} {params.of}"
+        " --training {params.training:q} --seed {wildcards.seed} --threads {threads}"
+        " --processes {resources.gpu} {params.of}"
         " >{log:q} 2>&1"
 
 

@@ -1,0 +1,217 @@
+"""Backends of the convolution against the reference, and how one is chosen."""
+
+import logging
+import sys
+from importlib.util import find_spec
+
+import numpy as np
+import pytest
+import torch
+
+from tetgan.errors import UserError
+from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.nn.backends import choice, cpu, plan, reference
+from tetgan.nn.backends.choice import backend_for, triton_works
+from tetgan.nn.conv import SLOTS, TetNeighbors, conv_backend, tet_conv
+
+needs_triton = pytest.mark.skipif(find_spec("triton") is None, reason="Triton is not installed")
+BACKENDS = ["cpu", pytest.param("triton", marks=needs_triton)]
+
+
+@pytest.fixture(scope="module")
+def neighbors() -> np.ndarray:
+    return build_hierarchy(1, 1).finest.neighbors
+
+
+@pytest.fixture(scope="module")
+def few() -> np.ndarray:
+    return build_hierarchy(1, 0).finest.neighbors
+
+
+@pytest.fixture(params=BACKENDS)
+def backend(request) -> str:
+    if request.param == "triton" and not torch.cuda.is_available():
+        from tetgan.nn.backends import triton
+
+        if not triton._INTERPRETED:
+            pytest.skip("Triton was imported before its interpreter was asked for")
+    return request.param
+
+
+def draw(seed, *shape, dtype=torch.float32):
+    generator = torch.Generator().manual_seed(seed)
+    return torch.randn(*shape, generator=generator, dtype=torch.float64).to(dtype).requires_grad_()
+
+
+def on_device(backend):
+    return "cuda" if backend == "triton" and torch.cuda.is_available() else "cpu"
+
+
+def derivatives(backend, table, x, weight, bias):
+    """y, its gradients for a cotangent that depends on it, and the gradients of their squares."""
+    device = on_device(backend)
+    maps, inputs = TetNeighbors(table).to(device), [v.detach().to(device) for v in (x, weight, bias)]
+    inputs = [v.requires_grad_() for v in inputs]
+    with conv_backend(backend):
+        y = tet_conv(*inputs, maps)
+        first = torch.autograd.grad(y.square().sum(), inputs, create_graph=True)
+        second = torch.autograd.grad(sum(g.square().sum() for g in first), inputs)
+    return [v.detach().cpu() for v in (y, *first, *second)]
+
+
+@pytest.mark.parametrize(("channels", "out", "batch"), [(1, 3, 3), (17, 5, 1), (3, 1, 2), (5, 17, 2)])
+def test_agrees_with_the_reference_twice_differentiated(neighbors, backend, channels, out, batch):
+    inputs = (
+        draw(0, len(neighbors), batch, channels),
+        draw(1, SLOTS, channels, out),
+        draw(2, out),
+    )
+    got = derivatives(backend, neighbors, *inputs)
+    wanted = derivatives("reference", neighbors, *(v.double() for v in inputs))
+    for ours, exact in zip(got, wanted, strict=True):
+        # float32 has 24 bits; sums of up to 576 products, three times over
+        torch.testing.assert_close(ours.double(), exact, rtol=0, atol=2e-6 * float(exact.abs().max()))
+
+
+@needs_triton
+def test_a_tile_is_smaller_than_the_channels(few):
+    inputs = draw(0, len(few), 2, 70), draw(1, SLOTS, 70, 66), draw(2, 66)
+    maps = TetNeighbors(few).to(on_device("triton"))
+    with conv_backend("triton"):
+        got = tet_conv(*(v.to(on_device("triton")) for v in inputs), maps)
+    wanted = reference.tet_conv(*inputs, TetNeighbors(few))
+    torch.testing.assert_close(got.cpu(), wanted, rtol=1e-4, atol=1e-4)
+
+
+def test_derivatives_of_every_backend_in_float64(few, backend):
+    if on_device(backend) == "cuda":
+        pytest.skip("Triton's kernels take float64 in the interpreter only")
+    maps, shapes = TetNeighbors(few), [(len(few), 1, 3), (SLOTS, 3, 2), (2,)]
+    inputs = tuple(draw(seed, *shape, dtype=torch.float64) for seed, shape in enumerate(shapes))
+    with conv_backend(backend):
+        assert torch.autograd.gradcheck(lambda *a: tet_conv(*a, maps), inputs, fast_mode=True)
+        assert torch.autograd.gradgradcheck(lambda *a: tet_conv(*a, maps), inputs, fast_mode=True)
+
+
+def test_the_same_bytes_twice(few, backend):
+    inputs = draw(0, len(few), 3, 9), draw(1, SLOTS, 9, 11), draw(2, 11)
+    once, again = (derivatives(backend, few, *inputs) for _ in range(2))
+    assert all(torch.equal(one, other) for one, other in zip(once, again, strict=True))
+
+
+def test_half_precision_of_every_backend(few, backend):
+    device = on_device(backend)
+    drawn = draw(0, len(few), 2, 12), draw(1, SLOTS, 12, 16), draw(2, 16)
+    x, weight, bias = (v.detach().to(device) for v in drawn)
+    maps, weight = TetNeighbors(few).to(device), weight / 60**0.5
+    with conv_backend(backend), torch.autocast(device, torch.bfloat16):
+        half = tet_conv(x, weight, bias, maps)
+    assert half.dtype == torch.bfloat16
+    # bfloat16 has 8 bits; sums of 60 products of size about 0.1
+    torch.testing.assert_close(half.float(), reference.tet_conv(x, weight, bias, maps), rtol=0.05, atol=0.05)
+
+
+ORDERS = [
+    ("columns", 1, 4),
+    ("accumulate", 1, 4),
+    ("accumulate", 3, 4),
+    ("first", 1, 4),
+    ("first", 3, 4),
+    ("first", 3, 1),
+]
+
+
+@pytest.mark.parametrize("side", ["product", "adjoint"])
+@pytest.mark.parametrize("order", ORDERS)
+def test_every_order_of_gathering_and_multiplying(neighbors, monkeypatch, order, side):
+    method, batch, out = order
+    monkeypatch.setattr(cpu, "choose_method", lambda *_: method)
+    monkeypatch.setattr(cpu, "chunk_size", lambda _: 80)  # 192 tets: the last chunk is not full
+    shapes = (len(neighbors), batch, 6), (SLOTS, 6, out), (out,)
+    x, weight, bias = (draw(s, *shape, dtype=torch.float64).detach() for s, shape in enumerate(shapes))
+    wanted = sum(shift(neighbors, slot, side) @ (x @ weight[slot]).flatten(1) for slot in range(SLOTS))
+    got = cpu.conv(x, weight, bias, TetNeighbors(neighbors), side)
+    torch.testing.assert_close(got, wanted.view(got.shape) + bias, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("side", ["product", "adjoint"])
+@pytest.mark.parametrize("shape", [(1, 3, 4), (1, 4, 3), (3, 3, 4), (3, 4, 3)])
+def test_gradient_of_the_weights_by_chunks(neighbors, monkeypatch, shape, side):
+    batch, channels, out = shape
+    monkeypatch.setattr(cpu, "chunk_size", lambda _: 80)
+    x = draw(0, len(neighbors), batch, channels, dtype=torch.float64).detach()
+    grad = draw(1, len(neighbors), batch, out, dtype=torch.float64).detach()
+    wanted = [
+        (shift(neighbors, slot, side) @ x.flatten(1)).view(-1, channels).T @ grad.flatten(0, 1)
+        for slot in range(SLOTS)
+    ]
+    got = cpu.weight_gradient(x, grad, TetNeighbors(neighbors), side)
+    torch.testing.assert_close(got, torch.stack(wanted), rtol=1e-12, atol=1e-12)
+
+
+def shift(neighbors, slot, side):
+    """The matrix (T, T) that picks the rows of a slot, by a loop."""
+    matrix = torch.zeros(len(neighbors), len(neighbors), dtype=torch.float64)
+    for tet, row in enumerate(neighbors):
+        other = [tet, *row][slot]
+        if other >= 0:
+            matrix[tet, other] = 1
+    return matrix if side == "product" else matrix.T
+
+
+def test_tables_pad_each_bag_with_the_outside(neighbors):
+    for side in ("product", "adjoint"):
+        padded = TetNeighbors(neighbors).padded(side).numpy()
+        for slot in range(SLOTS):
+            wanted = shift(neighbors, slot, side).numpy()
+            assert [sorted(row[row >= 0]) for row in padded[:, slot]] == [
+                list(np.flatnonzero(row)) for row in wanted
+            ]
+
+
+def test_thin_outputs_are_multiplied_first_and_single_shapes_in_columns():
+    assert plan.choose_method(1, 64, 4) == "first"
+    assert plan.choose_method(8, 16, 16) == "accumulate"
+    assert plan.choose_method(1, 4, 64) == "columns"
+
+
+def test_chunks_are_powers_of_two_and_not_too_small():
+    sizes = [plan.chunk_size(torch.empty(1, *shape)) for shape in [(1, 1), (8, 16), (8, 17), (30, 4096)]]
+    assert all(size & (size - 1) == 0 for size in sizes)
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[-1] == 64
+
+
+def test_the_device_chooses_and_a_caller_can_force(monkeypatch):
+    monkeypatch.setattr(choice, "triton_works", lambda: True)
+    gpu, host = torch.device("cuda"), torch.device("cpu")
+    assert backend_for(gpu, torch.bfloat16) == "triton"
+    assert backend_for(gpu, torch.float64) == backend_for(host, torch.float32) == "cpu"
+    with conv_backend("cpu"):
+        assert backend_for(gpu, torch.bfloat16) == "cpu"
+        with conv_backend("reference"):
+            assert backend_for(host, torch.float32) == "reference"
+        assert backend_for(host, torch.float32) == "cpu"
+    assert backend_for(gpu, torch.bfloat16) == "triton"
+
+
+def test_an_unknown_backend_is_named():
+    with (
+        pytest.raises(UserError, match=r"'cuda': choose one of reference, cpu"),
+        conv_backend("cuda"),
+    ):
+        pass
+
+
+def test_without_triton_a_gpu_falls_back_and_says_so_once(monkeypatch, caplog):
+    monkeypatch.setitem(sys.modules, "triton", None)
+    monkeypatch.delitem(sys.modules, "tetgan.nn.backends.triton", raising=False)
+    triton_works.cache_clear()
+    try:
+        with caplog.at_level(logging.WARNING):
+            chosen = {backend_for(torch.device("cuda"), torch.float32) for _ in range(3)}
+    finally:
+        triton_works.cache_clear()
+    assert chosen == {"cpu"}
+    assert len(caplog.records) == 1
+    assert "Triton does not work here" in caplog.text

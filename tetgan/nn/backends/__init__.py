@@ -1,0 +1,1 @@
+"""Kernels of the tetrahedral convolution, one module for each kind of machine."""
