@@ -140,13 +140,18 @@ class Config(Options):
         for name in self.ablation:
             if name not in self.models:
                 raise ValueError(f"ablation: '{name}' has no entry under models")
-        for name in self.figures.models or []:
-            if name not in self.models:
-                raise ValueError(f"figures.models: '{name}' is not one of {sorted(self.models)}")
-        for name in self.studies.smoothing.models:
-            if name not in self.models:
-                raise ValueError(f"studies.smoothing.models: '{name}' has no entry under models")
+        self._check_shown("figures.models", self.figures.models or [])
+        self._check_shown("studies.smoothing.models", self.studies.smoothing.models)
         return self
+
+    def _check_shown(self, key: str, names: list[str]) -> None:
+        """What shows interiors, latents or displacements takes models of fields."""
+        known = [name for name, model in self.models.items() if kind_of(model).has_fields]
+        for name in names:
+            if name not in known:
+                raise ValueError(
+                    f"{key}: '{name}' is no model of fields; there are {', '.join(sorted(known))}"
+                )
 
     def _check_data(self, name: str, model: Any) -> None:
         """A model must name what it learns from, or is made from."""

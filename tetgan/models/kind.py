@@ -70,6 +70,11 @@ class ModelKind:
         return self.build is not None
 
     @property
+    def has_fields(self) -> bool:
+        """Whether its shapes are fields on a grid, with interiors to show and latents to encode."""
+        return self.trained and self.sampling is None
+
+    @property
     def modules(self) -> set[str]:
         """Names of the modules that hold it, its networks and its training."""
         references = (self.options, self.build, self.learner, self.train)
