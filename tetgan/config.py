@@ -18,7 +18,7 @@ from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.fields.options import PointOptions, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
-from tetgan.meshing.options import MeshingOptions
+from tetgan.meshing.options import MeshingOptions, Mode
 from tetgan.models.kind import ModelKind
 from tetgan.models.kinds import MODULE_NAME, ModelOptions, find_kind, kind_of, load_plugins, loaded_kinds
 from tetgan.models.like import allow_like, resolve_like
@@ -31,8 +31,8 @@ from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions
 
 TABLES = {
-    *("fid", "variety", "reconstruction", "manifold", "dataset", "runtime"),
-    *("ablation", "resolution", "smoothing"),
+    *("fid", "variety", "reconstruction", "manifold", "quality", "dataset", "runtime"),
+    *("ablation", "resolution", "smoothing", "simulation"),
 }
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
 
@@ -109,11 +109,19 @@ class Config(Options):
     )
     sampling: SamplingOptions = Field(SamplingOptions(), description="shapes drawn from each model")
     meshing: MeshingOptions = Field(MeshingOptions(), description="from a field to a mesh")
+    modes: list[Mode] = Field(
+        ["paper", "solid"],
+        min_length=1,
+        description="how samples of TetGANs and of ground-truth fields are meshed, a row of the tables each; "
+        "all other models and the ablations are meshed in the first mode",
+    )
     extractor: ExtractorOptions = Field(
         ExtractorOptions(), description="the PointNet++ classifier behind FID and KID"
     )
     evaluation: EvaluationOptions = Field(EvaluationOptions(), description="metrics and their intervals")
-    studies: StudyOptions = Field(StudyOptions(), description="resolution and smoothing, beside the tables")
+    studies: StudyOptions = Field(
+        StudyOptions(), description="resolution, smoothing and simulation, beside the tables"
+    )
     latent: LatentOptions = Field(LatentOptions(), description="interpolations and sums of latents")
     nearest: NearestOptions = Field(NearestOptions(), description="nearest training shapes of samples")
     figures: FigureOptions = Field(FigureOptions(), description="what the figures show")
@@ -142,6 +150,7 @@ class Config(Options):
                 raise ValueError(f"ablation: '{name}' has no entry under models")
         self._check_shown("figures.models", self.figures.models or [])
         self._check_shown("studies.smoothing.models", self.studies.smoothing.models)
+        self._check_shown("studies.simulation.models", self.studies.simulation.models)
         return self
 
     def _check_shown(self, key: str, names: list[str]) -> None:
@@ -204,6 +213,16 @@ class Config(Options):
             return MeshingOptions.parse(self.meshing.model_dump() | own, "meshing")
         except UserError as error:
             raise ValueError(f"models.{model}.{error}") from None
+
+    def modes_of(self, model: str) -> list[Mode]:
+        """Modes in which a model's samples are meshed; where it gives no fields, there is only a name."""
+        kind = kind_of(self.models[model])
+        return self.modes if kind.has_fields and not kind.one_mode else self.modes[:1]
+
+    def shown_mode(self, model: str) -> Mode:
+        """The mode of figures: that of `meshing`, where the model is meshed so."""
+        modes = self.modes_of(model)
+        return self.meshing.mode if self.meshing.mode in modes else modes[0]
 
     def trained_as(self, model: str) -> str:
         """The first model that is trained in the same way: those that only mesh differently share weights."""

@@ -7,7 +7,7 @@ import trimesh
 from tetgan.fields.field import Field
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.quality import quality_record
+from tetgan.meshing.records import quality_record
 from tetgan.meshing.samples import write_solids
 
 

@@ -13,9 +13,11 @@ from tetgan.errors import UserError
 # isort: off
 from tetgan.cli import data as data
 from tetgan.cli import models as models
+from tetgan.cli import solids as solids
 from tetgan.cli import evaluation as evaluation
 from tetgan.cli import tables as tables
 from tetgan.cli import studies as studies
+from tetgan.cli import simulation as simulation
 # isort: on
 
 

@@ -1,7 +1,7 @@
 """Training, and meshes out of trained models."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 import typer
 
@@ -68,7 +68,9 @@ def sample(
     index: Annotated[Path, typer.Argument(help="Index of the fields, points or voxels it was trained on.")],
     folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
     count: Annotated[int, typer.Option(min=1, help="Shapes to generate.")] = 16,
-    mode: Annotated[str, typer.Option(help="How solids are built.")] = "paper",
+    mode: Annotated[
+        Literal["solid", "paper"], typer.Option(help="Valid solids, or as the paper builds them.")
+    ] = "solid",
     options: OptionsText = "{}",
     seed: Seed = 0,
     threads: Threads = 1,

@@ -54,6 +54,23 @@ def manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
 
 
 @app.command(rich_help_panel=PANEL)
+def quality(
+    samples: Annotated[
+        list[Path], typer.Argument(help="Folders {category}/{model}/{seed}/{mode} of samples.")
+    ],
+    out: TableOut,
+    paper: Paper,
+) -> None:
+    """Tell how many meshes are valid solids, what keeps the others from it, and what was changed for it.
+
+    Example: `tetgan quality results/samples/chair/tetgan-LR/0/* quality.csv --paper paper.csv`
+    """
+    from tetgan.evaluation.gathered.quality import write_quality
+
+    write_quality(samples, paper, out)
+
+
+@app.command(rich_help_panel=PANEL)
 def dataset(
     catalogues: Annotated[list[Path], typer.Argument(help="Catalogues: {category}/catalogue.csv.")],
     out: TableOut,

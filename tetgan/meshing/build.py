@@ -1,16 +1,19 @@
 """From a field to a solid mesh."""
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from tetgan.fields.field import Field, VertexField
 from tetgan.grids.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
+from tetgan.meshing.ambient import ambient_space
 from tetgan.meshing.filtering import filter_occupancy
+from tetgan.meshing.injective import move_boundary
+from tetgan.meshing.occupancy import valid_occupancy
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.smoothing import smooth_vertices
-from tetgan.meshing.solid import SolidMesh
+from tetgan.meshing.solid import SolidChanges, SolidMesh
 
 
 def build_solid(
@@ -24,8 +27,13 @@ def build_solid(
 ) -> SolidMesh:
     """Filter (Eq. 5), displace the boundary (Eq. 3) and, if asked, smooth it (Eq. 4).
 
-    Only boundary vertices move: moving the others too inverts more tets, and gains the surface nothing.
-    Even so a few per cent of the tets may come out inverted; `quality_record` counts them.
+    In mode `paper` that is all, and only boundary vertices move: moving the others too inverts more tets, and
+    gains the surface nothing. Even so a few per cent of the tets may come out inverted, and boundary edges
+    may have four faces; `quality_record` counts them.
+
+    In mode `solid` the occupancy is first changed, as little as may be, to one with a manifold boundary
+    (`valid_occupancy`), whose vertices then go towards the same places as far as every tet allows
+    (`move_boundary`). See docs/solids.md.
 
     Args:
         grid: the finest grid of the hierarchy, which the field lives on.
@@ -35,8 +43,10 @@ def build_solid(
     Returns:
         The solid; without tets where nothing is occupied.
     """
-    tets = grid.tets[filter_occupancy(field, grid.neighbors, mu, options.gamma)]
-    used, compact = np.unique(tets, return_inverse=True)
+    occupancy, changes = filter_occupancy(field, grid.neighbors, mu, options.gamma), SolidChanges()
+    if options.mode == "solid":
+        occupancy, changes = valid_occupancy(occupancy, _reluctance(field, mu), grid, options)
+    used, compact = np.unique(grid.tets[occupancy], return_inverse=True)
     tets = compact.reshape(-1, 4)
     faces = boundary_faces(tets)
     vertices, displacement = grid.vertices[used], _displacement_at(used, field, operator)
@@ -44,7 +54,39 @@ def build_solid(
     vertices[boundary] += displacement[boundary]
     if smoothing:
         vertices = smooth_vertices(vertices, displacement, faces, options.beta)
-    return SolidMesh(vertices, tets, faces)
+    if options.mode == "solid":
+        vertices = _move_safely(occupancy, grid, used[boundary], vertices[boundary], options)[used]
+    return SolidMesh(vertices, tets, faces, changes)
+
+
+def _move_safely(
+    occupancy: Bool[np.ndarray, "T"],
+    grid: TetGrid,
+    boundary: Int[np.ndarray, "B"],
+    targets: Float[np.ndarray, "B 3"],
+    options: MeshingOptions,
+) -> Float[np.ndarray, "V 3"]:
+    """Vertices of the grid and its collar, those of the boundary near their targets."""
+    ambient = ambient_space(grid)
+    return move_boundary(
+        ambient.with_collar(occupancy),
+        boundary,
+        targets,
+        ambient,
+        min_dihedral=options.min_dihedral,
+        rounds=options.rounds,
+    )
+
+
+def _reluctance(field: Field | VertexField, mu: float) -> Float[np.ndarray, "T"]:
+    """What it costs to change the occupancy of each tet: more, the further it lies from the surface.
+
+    In units of the mean displacement of surface tets, the distance from the surface plus a half, up to 4½;
+    where displacements are known at vertices alone every tet costs the same.
+    """
+    if isinstance(field, VertexField):
+        return np.ones(len(field.occupancy))
+    return 0.5 + np.minimum(np.linalg.norm(field.displacement.astype(np.float64), axis=1) / mu, 4.0)
 
 
 def _displacement_at(

@@ -10,7 +10,7 @@ from tetgan.grids.grid import TetGrid
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.export import write_surface, write_tets
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.quality import quality_record, surface_record
+from tetgan.meshing.records import quality_record, surface_record
 from tetgan.shapes.soup import Soup
 
 

@@ -6,6 +6,27 @@ import numpy as np
 from jaxtyping import Float, Int
 
 
+@dataclass(frozen=True)
+class SolidChanges:
+    """What was done to the occupancy that Eq. 5 left, to make a valid solid of it; nothing in mode `paper`.
+
+    Attributes:
+        tets_added: tets filled for the sake of a manifold boundary.
+        tets_removed: tets emptied for its sake; those of dropped pieces do not count.
+        changed: tets added and removed, as a share of the tets that Eq. 5 left.
+        dropped_components: floating pieces left out.
+        dropped_volume: their volume, as a share of that of all tets that Eq. 5 left.
+        cavities: voids inside that the outside does not reach; they stay.
+    """
+
+    tets_added: int = 0
+    tets_removed: int = 0
+    changed: float = 0.0
+    dropped_components: int = 0
+    dropped_volume: float = 0.0
+    cavities: int = 0
+
+
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
     """Tets, and the boundary faces of their connectivity, on shared vertices.
@@ -14,8 +35,10 @@ class SolidMesh:
         vertices: (V, 3) float64, each used by a tet.
         tets: (T, 4) int64, positive unless displacement inverted them.
         faces: (F, 3) int64, facing outward.
+        changes: of the occupancy, in mode `solid`.
     """
 
     vertices: Float[np.ndarray, "V 3"]
     tets: Int[np.ndarray, "T 4"]
     faces: Int[np.ndarray, "F 3"]
+    changes: SolidChanges = SolidChanges()

@@ -44,6 +44,9 @@ class ModelKind:
     sizes: Reference = "tetgan.models.sizes:of_data"
     """From options, those of grid or sampling, and training options what `Config.reductions` compares."""
 
+    one_mode: bool = False
+    """Whether its fields are meshed in the first mode alone, as those of a yardstick."""
+
     shares_batches: bool = False
     """Whether several processes can train one model together."""
 

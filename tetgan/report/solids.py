@@ -62,7 +62,8 @@ def find_sample_sets(samples: Path, models: Sequence[str], count: int) -> list[S
         if not any(name == model for _, model, _ in lowest):
             raise UserError(f"{samples}: no solids (.vtu) of model '{name}' to show; sample it first")
     shown = [one for one in lowest.values() if one.model in names]
-    return sorted(shown, key=lambda one: (one.category, names.index(one.model), one.mode))
+    # Valid solids first: they are what the page is opened for.
+    return sorted(shown, key=lambda one: (one.category, names.index(one.model), one.mode != "solid"))
 
 
 def _sample_set(mode: Path, count: int) -> SampleSet | None:

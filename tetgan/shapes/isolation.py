@@ -8,15 +8,25 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from types import TracebackType
-from typing import ClassVar, TypeVar
+from typing import ClassVar, Protocol, TypeVar
+
+import numpy as np
 
 from tetgan.shapes.messages import read_message, write_message
-from tetgan.shapes.options import RepairOptions, SimplifyOptions
 from tetgan.shapes.soup import ShapeError, Soup
 
 # The child watches its own processor time; one that sleeps is waited for this long, on a busy machine too.
 _START_SECONDS = 60.0
 _PATIENCE = 20.0  # wall seconds a processor second
+
+
+class TimedOptions(Protocol):
+    """Options that say for how long the child may work on a mesh."""
+
+    @property
+    def timeout_seconds(self) -> float: ...
+
+    def model_dump_json(self) -> str: ...
 
 
 Worker = TypeVar("Worker", bound="MeshWorker")
@@ -28,15 +38,14 @@ class MeshWorker:
     Starting the child costs more than most meshes, so it is kept until one crashes it or takes more than
     `options.timeout_seconds` of processor time; the next mesh gets a new one. Use as a context manager.
 
-    `program` is for tests; by default it is `tetgan.shapes.repair_worker`.
+    `program` is for tests; by default it is the class's own module, run with the options as JSON.
     """
 
     task: ClassVar[str]
+    module: ClassVar[str] = "tetgan.shapes.repair_worker"
 
-    def __init__(
-        self, options: RepairOptions | SimplifyOptions, program: Sequence[str] | None = None
-    ) -> None:
-        default = (sys.executable, "-m", "tetgan.shapes.repair_worker", options.model_dump_json())
+    def __init__(self, options: TimedOptions, program: Sequence[str] | None = None) -> None:
+        default = (sys.executable, "-m", self.module, options.model_dump_json())
         self._program = tuple(program or default)
         self._timeout = options.timeout_seconds
         self._patience = _START_SECONDS + _PATIENCE * options.timeout_seconds
@@ -63,7 +72,12 @@ class MeshWorker:
         process.wait()
 
     def _send(self, soup: Soup) -> Soup:
-        """One mesh through the child.
+        """One mesh through the child, and what it makes of it; see `_exchange`."""
+        answer = self._exchange(soup)
+        return Soup(answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 3))
+
+    def _exchange(self, soup: Soup) -> dict[str, np.ndarray]:
+        """One mesh through the child, and its answer by name.
 
         Raises:
             ShapeError: the child raised, crashed, or took too long.
@@ -83,7 +97,7 @@ class MeshWorker:
             raise ShapeError(self._obituary())
         if "error" in answer:
             raise ShapeError(f"{self.task} failed: {answer['error']}")
-        return Soup(answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 3))
+        return answer
 
     def _running(self) -> subprocess.Popen[bytes]:
         if self._process is None:

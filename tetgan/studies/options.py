@@ -5,6 +5,7 @@ from typing import Annotated
 from pydantic import Field, model_validator
 
 from tetgan.options import Options
+from tetgan.studies.elasticity.options import SimulationOptions
 
 
 class TorusOptions(Options):
@@ -80,3 +81,6 @@ class StudyOptions(Options):
 
     resolution: ResolutionOptions = Field(ResolutionOptions(), description="the paper's torus figure")
     smoothing: SmoothingOptions = Field(SmoothingOptions(), description="the paper's smoothing figure")
+    simulation: SimulationOptions = Field(
+        SimulationOptions(), description="the paper's figure of a table under load, on many samples"
+    )

@@ -40,6 +40,20 @@ SAMPLING_MODULES = [
 ]
 
 
+def each_mode(pattern, models, modes=None, seeds=config["seeds"]):
+    """Paths of each model in each of its modes, or in those that `modes` gives for it."""
+    return [
+        path
+        for model in models
+        for path in expand(
+            pattern,
+            model=model,
+            seed=seeds,
+            mode=modes(model) if modes else SETTINGS.modes_of(model),
+        )
+    ]
+
+
 def one_of(names):
     """Constraint of a wildcard; with no names nothing matches."""
     return "|".join(names) or "(?!)"
@@ -51,6 +65,12 @@ LOGGED_MODELS = [name for name in SETTINGS.table_models if KINDS[name].logged]
 # Those of the ablation that are trained: some take over the weights of another and mesh differently.
 ABLATED_MODELS = [
     name for name in config["ablation"] if SETTINGS.trained_as(name) == name
+]
+
+# What a simulation is made of.
+SIMULATION = [
+    *("meshing/reading", "meshing/orientation", "meshing/connectivity"),
+    *("studies/elasticity", "studies/simulation", "studies/simulation_study"),
 ]
 
 # Every table and figure of the target `paper`: each file of rules adds its own.
@@ -139,11 +159,9 @@ def ablation_changes(wildcards):
 
 
 def study_identity(wildcards):
-    """What the rows of a study say of the model whose fields it took."""
-    grid = SETTINGS.models[wildcards.model].grid
-    return json.dumps(
-        {"category": wildcards.category, "model": wildcards.model, "grid": grid}
-    )
+    """What the rows of a study say of the model whose fields or samples it took."""
+    names = {key: value for key, value in wildcards.items() if key != "seed"}
+    return json.dumps({**names, "grid": SETTINGS.models[wildcards.model].grid})
 
 
 def model_fields(wildcards):

@@ -1,0 +1,113 @@
+"""What a solid does under loads."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from tetgan.cli.app import OptionsText, app, read_options, read_plain
+from tetgan.errors import UserError
+
+PANEL = "Solids"
+
+
+@app.command(rich_help_panel=PANEL)
+def simulate(
+    mesh: Annotated[Path, typer.Argument(help="Tet mesh: .vtu, .msh, or any format of meshio.")],
+    material: Annotated[
+        str, typer.Option(help="pinewood, steel, rubber, or '{young: 1e10, poisson: 0.3, density: 500}'.")
+    ] = "pinewood",
+    fix: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Region held still: floor, top, left, right, back, front, or a box x,y,z:x,y,z in the mesh's"
+            " units; floor/y holds the vertical direction alone. May be repeated.  [default: floor]"
+        ),
+    ] = None,
+    load: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Region and total force: top=500N (downward), left=200,0,-50N (a vector). May be repeated."
+            "  [default: top=500N]"
+        ),
+    ] = None,
+    gravity: Annotated[bool, typer.Option(help="Add the body's own weight.")] = False,
+    size: Annotated[float, typer.Option(help="Metres that one unit of the mesh stands for.")] = 1.0,
+    order: Annotated[int, typer.Option(help="Degree of the elements; degree 1 is too stiff in bending.")] = 2,
+    reach: Annotated[float, typer.Option(help="Depth of a side, over the mesh's longest extent.")] = 0.05,
+    largest: Annotated[bool, typer.Option(help="Simulate the largest piece alone.")] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Mesh (.vtu) to write, with displacement and stress.")
+    ] = None,
+    figure: Annotated[Path | None, typer.Option(help="Picture (.png) to write.")] = None,
+) -> None:
+    """Bend a solid: displacement and von Mises stress under loads, by linear elasticity.
+
+    Example: `tetgan simulate table.vtu --material pinewood --fix floor --load top=500N --size 0.8
+    --out bent.vtu --figure bent.png`
+    """
+    from rich.console import Console
+    from rich.table import Table
+
+    from tetgan.studies.elasticity.figure import write_figure
+    from tetgan.studies.elasticity.options import LoadCase, Material, read_material
+    from tetgan.studies.elasticity.pieces import largest_piece
+    from tetgan.studies.simulation import read_body, readable_record, write_simulation
+    from tetgan.studies.simulation import simulate as run
+
+    numbers = material.lstrip().startswith("{")
+    values = {
+        "material": read_options(Material, material, "--material") if numbers else read_material(material),
+        "gravity": gravity,
+        "size": size,
+        "order": order,
+        "reach": reach,
+    }
+    values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}
+    case = LoadCase.parse(values, "simulate")
+    try:
+        solid = read_body(mesh)
+        result = run(largest_piece(solid) if largest else solid, case)
+    except UserError as error:
+        raise UserError(f"{mesh}: {error}") from None
+    if out is not None:
+        write_simulation(out, result)
+    if figure is not None:
+        write_figure(figure, result, mesh.stem)
+    table = Table(title=mesh.name, show_header=False)
+    for name, value in readable_record(result).items():
+        table.add_row(name, value)
+    Console().print(table)
+
+
+@app.command("simulation-study", rich_help_panel=PANEL)
+def simulation_study(
+    samples: Annotated[Path, typer.Argument(help="Folder written by `tetgan sample`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write, a row a sample.")],
+    options: OptionsText = "{}",
+    identity: OptionsText = "{}",
+) -> None:
+    """Simulate many samples under one load; mesh some of their surfaces anew and compare.
+
+    Example: `tetgan simulation-study results/samples/table/tetgan-LR/0/solid study.csv
+    --options '{samples: 50, remeshed: 5}'`
+    """
+    from tetgan.studies.elasticity.options import SimulationOptions
+    from tetgan.studies.simulation_study import study_simulation
+
+    chosen = read_options(SimulationOptions, options, "--options")
+    study_simulation(samples, out, chosen, read_plain(identity, "--identity"))
+
+
+@app.command("simulation-table", rich_help_panel=PANEL)
+def simulation_table(
+    studies: Annotated[list[Path], typer.Argument(help="Tables written by `tetgan simulation-study`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+) -> None:
+    """Set the simulation studies side by side, a row a model and mode.
+
+    Example: `tetgan simulation-table studies/*.csv simulation.csv`
+    """
+    from tetgan.studies.simulation_table import write_simulation_table
+
+    write_simulation_table(studies, out)

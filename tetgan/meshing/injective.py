@@ -1,0 +1,147 @@
+"""Vertices moved as far as they can go without turning over or flattening a tet."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import sparse
+
+from tetgan.meshing.ambient import Ambient
+
+_HALVINGS = 4  # a step is cut down to 1/16, then given up for the round
+_RELAXATION = 0.7  # of the way to the mean of the neighbours, each time
+_LEAST_VOLUME = 0.02  # of a tet's own volume on the grid: what it keeps, whatever moves
+_RINGS = 2  # of vertices around the boundary that make way for it
+
+
+class _Band(NamedTuple):
+    """The part of space near the boundary, numbered for itself.
+
+    Attributes:
+        corners: (4, N) vertices of its tets; volume: (N,) six times the least volume of each.
+        solid: rows of the occupied ones; cosine: of the least dihedral angle of each of these.
+        used: (M,) its vertices in the ambient space.
+        boundary, free: (M,) its vertices on the boundary, and the others that may move.
+        averaging: (M, M) takes each free vertex to the mean of those it shares an edge with.
+    """
+
+    corners: Int[np.ndarray, "4 N"]
+    volume: Float[np.ndarray, "N"]
+    solid: Bool[np.ndarray, "N"]
+    cosine: Float[np.ndarray, "N"]
+    used: Int[np.ndarray, "M"]
+    boundary: Bool[np.ndarray, "M"]
+    free: Bool[np.ndarray, "M"]
+    averaging: sparse.csr_array
+
+
+def move_boundary(
+    occupancy: Bool[np.ndarray, "T"],
+    boundary: Int[np.ndarray, "B"],
+    targets: Float[np.ndarray, "B 3"],
+    ambient: Ambient,
+    *,
+    min_dihedral: float,
+    rounds: int,
+) -> Float[np.ndarray, "V 3"]:
+    """Positions of all vertices, those of the boundary as near to their targets as steps in turn bring them.
+
+    A round steps every boundary vertex towards its target, then every other vertex nearby towards the mean of
+    its neighbours, which makes room for the next round. A step that leaves any tet too small, or an occupied
+    one with too small an angle, is halved for all vertices of that tet, until none is left: at worst nobody
+    moves, and the grid itself is within the bounds.
+
+    Args:
+        boundary: vertices, ascending.
+        min_dihedral: of occupied tets, in degrees; a tet that has less on the grid keeps what it has.
+    """
+    band = _band(occupancy, boundary, ambient, min_dihedral)
+    positions = ambient.vertices.copy()
+    here = positions[band.used].T.copy()
+    goal = here.copy()
+    goal[:, band.boundary] = targets[~ambient.pinned[boundary]].T
+    for _ in range(rounds):
+        here = _step(here, goal - here, band)
+        mean = (band.averaging @ here.T).T
+        here = _step(here, np.where(band.free, _RELAXATION * (mean - here), 0.0), band)
+    here = _step(here, goal - here, band)
+    positions[band.used] = here.T
+    return positions
+
+
+def _band(
+    occupancy: Bool[np.ndarray, "T"], boundary: Int[np.ndarray, "B"], ambient: Ambient, min_dihedral: float
+) -> _Band:
+    movable = np.zeros(len(ambient.vertices), dtype=bool)
+    movable[boundary] = True
+    for _ in range(_RINGS):
+        movable[np.unique(ambient.edges[movable[ambient.edges].any(axis=1)])] = True
+    movable &= ~ambient.pinned
+    rows = np.flatnonzero(movable[ambient.tets].any(axis=1) & ambient.guarded)
+    used, corners = np.unique(ambient.tets[rows], return_inverse=True)
+    corners = np.ascontiguousarray(corners.reshape(-1, 4).T)
+    own = _tet_shapes(ambient.vertices[used].T, corners)
+    on_boundary = np.isin(used, boundary) & movable[used]
+    solid = occupancy[rows]
+    bound = np.cos(np.radians(min_dihedral)) - 1e-9
+    return _Band(
+        corners=corners,
+        volume=_LEAST_VOLUME * own.volume,
+        solid=solid,
+        cosine=np.where(solid, np.maximum(bound, own.cosine), 1.0),
+        used=used,
+        boundary=on_boundary,
+        free=movable[used] & ~on_boundary,
+        averaging=ambient.averaging[used][:, used],
+    )
+
+
+def _step(
+    here: Float[np.ndarray, "3 M"], step: Float[np.ndarray, "3 M"], band: _Band
+) -> Float[np.ndarray, "3 M"]:
+    """Here and as much of the step as leaves every tet of the band within its bounds."""
+    halved = np.where((step != 0).any(axis=0), 0, _HALVINGS + 1)
+    scale = (halved <= _HALVINGS).astype(np.float64)
+    rows = np.flatnonzero((scale > 0)[band.corners].any(axis=0))
+    while len(rows):
+        wrong = rows[~_within_bounds(here + scale * step, band, rows)]
+        touched = np.zeros(len(scale), dtype=bool)
+        touched[band.corners[:, wrong]] = True
+        touched &= scale > 0
+        halved[touched] += 1
+        scale[touched] = np.where(halved[touched] > _HALVINGS, 0.0, scale[touched] / 2)
+        rows = np.flatnonzero(touched[band.corners].any(axis=0))
+    return here + scale * step
+
+
+class _Shapes(NamedTuple):
+    """Six times the volume of each tet, and the cosine of its least dihedral angle."""
+
+    volume: Float[np.ndarray, "N"]
+    cosine: Float[np.ndarray, "N"]
+
+
+def _within_bounds(
+    here: Float[np.ndarray, "3 M"], band: _Band, rows: Int[np.ndarray, "R"]
+) -> Bool[np.ndarray, "R"]:
+    shapes = _tet_shapes(here, band.corners[:, rows])
+    return (shapes.volume >= band.volume[rows]) & (shapes.cosine <= band.cosine[rows])
+
+
+def _tet_shapes(here: Float[np.ndarray, "3 M"], corners: Int[np.ndarray, "4 N"]) -> _Shapes:
+    a, b, c = (here[:, corners[i]] - here[:, corners[0]] for i in (1, 2, 3))
+    one, two, three = _cross(b, c), _cross(c, a), _cross(a, b)
+    normals = np.stack([-(one + two + three), one, two, three])  # inward, as long as twice the face's area
+    normals /= np.sqrt(np.maximum((normals**2).sum(axis=1, keepdims=True), np.finfo(float).tiny))
+    cosine = np.full(corners.shape[1], -1.0)
+    for i, j in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)):
+        np.maximum(cosine, -_dot(normals[i], normals[j]), out=cosine)
+    return _Shapes(_dot(a, one), cosine)
+
+
+def _cross(a: Float[np.ndarray, "3 N"], b: Float[np.ndarray, "3 N"]) -> Float[np.ndarray, "3 N"]:
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _dot(a: Float[np.ndarray, "3 N"], b: Float[np.ndarray, "3 N"]) -> Float[np.ndarray, "N"]:
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -1,0 +1,209 @@
+"""The least change of occupancy that gives a solid a manifold boundary."""
+
+from typing import NamedTuple
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from tetgan.meshing.ambient import Ambient
+from tetgan.meshing.around import Pieces
+
+_AT_ONCE = 2000  # changes weighed together: bounds the memory on noise, where every vertex is at fault
+
+
+class _Changes(NamedTuple):
+    """Sets of tets that might change sides, each a way to mend something.
+
+    Attributes:
+        change: (M,) number of the set, ascending.
+        tets: (M,) its tets.
+    """
+
+    change: Int[np.ndarray, "M"]
+    tets: Int[np.ndarray, "M"]
+
+    @property
+    def number(self) -> int:
+        return int(self.change[-1]) + 1 if len(self.change) else 0
+
+    def only(self, wanted: Bool[np.ndarray, "C"]) -> "_Changes":
+        """Some of the sets, numbered anew."""
+        kept = wanted[self.change]
+        return _Changes((np.cumsum(wanted) - 1)[self.change[kept]], self.tets[kept])
+
+
+class _Effect(NamedTuple):
+    """What changes would do to the vertices of their tets.
+
+    Attributes:
+        change, vertex: (N,) the two, by change; defect: (N,) of the vertex afterwards.
+        gain: (C,) sum of the defects that each change would mend, less those it would make.
+    """
+
+    change: Int[np.ndarray, "N"]
+    vertex: Int[np.ndarray, "N"]
+    defect: Int[np.ndarray, "N"]
+    gain: Int[np.ndarray, "C"]
+
+
+def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "V"]:
+    """How far each vertex is from a manifold boundary; 0 everywhere exactly when the boundary is one.
+
+    Around a vertex the tets cut a small sphere into triangles. The boundary meets the sphere in one closed
+    curve, so has one fan there, exactly when the occupied triangles hang together side by side, and the empty
+    ones as well (Jordan); and a surface with one fan at each vertex has two faces at each edge. The defect is
+    the number of pieces beyond one of each.
+    """
+    defect = np.zeros(len(ambient.vertices), dtype=np.int64)
+    vertices = _mixed_vertices(occupancy, ambient)
+    counts = ambient.around_vertices.pieces(vertices, None, occupancy).counts(len(vertices))
+    defect[vertices] = _defect(counts)
+    return defect
+
+
+def make_manifold(
+    occupancy: Bool[np.ndarray, "T"], ambient: Ambient, cost: Float[np.ndarray, "T"]
+) -> Bool[np.ndarray, "T"]:
+    """Fill and empty tets until the boundary is a manifold, at little cost.
+
+    Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides. Of the
+    changes that lower the sum of the defects, the cheapest for what they mend are made, as many at once as
+    have no vertex in common, until none is left; each round lowers the sum, so this ends. Where defects remain,
+    tets around them are emptied for good (`_pieces_to_empty`), and it goes on: at worst until all are.
+
+    Args:
+        occupancy: none of the collar.
+        cost: of changing each tet; changing it back refunds it.
+    """
+    original, occupied, cost = occupancy, occupancy.copy(), cost.copy()
+    defect = boundary_defects(occupied, ambient)
+    while defect.any():
+        signed = np.where((occupied == original) | np.isinf(cost), cost, -cost)
+        changes = _cheapest_first(_possible_changes(occupied, defect, ambient), signed)
+        if not _improve(changes, occupied, defect, ambient, signed):
+            emptied = _tets_to_empty(np.flatnonzero(defect), occupied, ambient, cost)
+            occupied[emptied], cost[emptied] = False, np.inf
+            defect = boundary_defects(occupied, ambient)
+    return occupied
+
+
+def _mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "N"]:
+    """Vertices with tets of both kinds around them."""
+    touched = np.zeros((2, len(ambient.vertices)), dtype=bool)
+    touched[0, ambient.tets[occupancy]] = True
+    touched[1, ambient.tets[~occupancy]] = True
+    return np.flatnonzero(touched.all(axis=0))
+
+
+def _defect(counts: Int[np.ndarray, "N 2"]) -> Int[np.ndarray, "N"]:
+    return (counts - 1).clip(min=0).sum(axis=1)
+
+
+def _possible_changes(
+    occupied: Bool[np.ndarray, "T"], defect: Int[np.ndarray, "V"], ambient: Ambient
+) -> _Changes:
+    """Each piece around the vertices at fault, and around the edges there that have four boundary faces or more."""
+    vertices = np.flatnonzero(defect)
+    at_vertices = ambient.around_vertices.pieces(vertices, None, occupied)
+    own = np.unique(at_vertices.tets)
+    edges = np.unique(ambient.edges_of_tets[own[own < ambient.grid_tets]])
+    at_edges = ambient.around_edges.pieces(edges, None, occupied)
+    pinched = at_edges.counts(len(edges))[:, 1] > 1
+    sets = _as_changes(at_vertices), _as_changes(at_edges).only(pinched[at_edges.piece_place])
+    return _Changes(
+        np.concatenate([sets[0].change, sets[1].change + sets[0].number]),
+        np.concatenate([sets[0].tets, sets[1].tets]),
+    )
+
+
+def _as_changes(pieces: Pieces) -> _Changes:
+    order = np.argsort(pieces.label, kind="stable")
+    return _Changes(pieces.label[order], pieces.tets[order])
+
+
+def _cheapest_first(changes: _Changes, cost: Float[np.ndarray, "T"]) -> _Changes:
+    """The changes that leave the collar alone, in the order of their cost."""
+    weights = np.bincount(changes.change, cost[changes.tets], minlength=changes.number)
+    allowed = np.isfinite(weights)
+    rank = np.empty(len(weights), dtype=np.int64)
+    rank[np.argsort(weights, kind="stable")] = np.arange(len(weights))
+    numbers = rank[changes.change]
+    order = np.argsort(numbers, kind="stable")
+    return _Changes(numbers[order], changes.tets[order]).only(allowed[np.argsort(rank)])
+
+
+def _improve(
+    changes: _Changes,
+    occupied: Bool[np.ndarray, "T"],
+    defect: Int[np.ndarray, "V"],
+    ambient: Ambient,
+    cost: Float[np.ndarray, "T"],
+) -> bool:
+    """Make the best of the changes, in place; whether there was any that lowers the sum of the defects."""
+    for start in range(0, changes.number, _AT_ONCE):
+        numbers = np.arange(changes.number)
+        some = changes.only((numbers >= start) & (numbers < start + _AT_ONCE))
+        effect = _effect(some, occupied, defect, ambient)
+        chosen = _independent(some, effect, cost)
+        if chosen.any():
+            tets = np.unique(some.tets[chosen[some.change]])
+            occupied[tets] ^= True
+            made = chosen[effect.change]
+            defect[effect.vertex[made]] = effect.defect[made]
+            return True
+    return False
+
+
+def _effect(
+    changes: _Changes, occupied: Bool[np.ndarray, "T"], defect: Int[np.ndarray, "V"], ambient: Ambient
+) -> _Effect:
+    """Defects of all vertices of the tets of each change, were it made."""
+    base = len(ambient.vertices)
+    touched = np.unique(changes.change[:, None] * base + ambient.tets[changes.tets])
+    change, vertex = np.divmod(touched, base)
+    corners, place = ambient.around_vertices.corners(vertex)
+    tets = corners // 4
+    flipped = _contains(changes, change[place], tets, len(ambient.tets))
+    pieces = ambient.around_vertices.pieces(vertex, occupied[tets] ^ flipped, occupied)
+    after = _defect(pieces.counts(len(vertex)))
+    gain = np.bincount(change, defect[vertex] - after, minlength=changes.number)
+    return _Effect(change, vertex, after, np.rint(gain).astype(np.int64))
+
+
+def _contains(
+    changes: _Changes, change: Int[np.ndarray, "N"], tets: Int[np.ndarray, "N"], base: int
+) -> Bool[np.ndarray, "N"]:
+    keys = np.sort(changes.change * base + changes.tets)
+    wanted = change * base + tets
+    return keys[np.searchsorted(keys, wanted).clip(max=len(keys) - 1)] == wanted
+
+
+def _independent(changes: _Changes, effect: _Effect, cost: Float[np.ndarray, "T"]) -> Bool[np.ndarray, "C"]:
+    """Changes that gain, each the cheapest for its gain among all that share a vertex with it."""
+    price = np.bincount(changes.change, cost[changes.tets], minlength=changes.number)
+    gains = effect.gain > 0
+    price = np.divide(price, effect.gain, out=np.full(len(price), np.inf), where=gains)
+    rank = np.empty(len(price), dtype=np.int64)
+    rank[np.argsort(price, kind="stable")] = np.arange(len(price))
+    rank[~gains] = len(price)
+    best = np.full(effect.vertex.max(initial=0) + 1, len(price), dtype=np.int64)
+    np.minimum.at(best, effect.vertex, rank[effect.change])
+    beaten = np.zeros(len(price), dtype=bool)
+    beaten[effect.change[best[effect.vertex] < rank[effect.change]]] = True
+    return gains & ~beaten
+
+
+def _tets_to_empty(
+    vertices: Int[np.ndarray, "N"],
+    occupied: Bool[np.ndarray, "T"],
+    ambient: Ambient,
+    cost: Float[np.ndarray, "T"],
+) -> Int[np.ndarray, "M"]:
+    """The occupied pieces around each vertex but the costliest, or all if there is one only: never none."""
+    pieces = ambient.around_vertices.pieces(vertices, None, occupied)
+    costs = np.where(pieces.piece_occupied, np.bincount(pieces.label, cost[pieces.tets]), -1)
+    order = np.lexsort([costs, pieces.piece_place])
+    costliest = order[np.searchsorted(pieces.piece_place[order], np.arange(len(vertices)), side="right") - 1]
+    emptied = pieces.piece_occupied.copy()
+    emptied[costliest[pieces.counts(len(vertices))[:, 1] > 1]] = False
+    return np.unique(pieces.tets[emptied[pieces.label]])

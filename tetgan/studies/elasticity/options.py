@@ -1,0 +1,112 @@
+"""What a body is made of, and how it is held and loaded."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from tetgan.errors import UserError
+from tetgan.options import Options
+
+
+class Material(Options):
+    """An isotropic, linearly elastic material."""
+
+    young: float = Field(gt=0, description="Young's modulus, Pa")
+    poisson: float = Field(gt=-1, lt=0.5, description="Poisson's ratio; elements of this kind lock near 0.5")
+    density: float = Field(gt=0, description="density, kg/m^3, for gravity and the mass")
+
+    @property
+    def lame(self) -> tuple[float, float]:
+        """Lamé's constants, lambda and mu, in Pa."""
+        shear = self.young / (2 * (1 + self.poisson))
+        return 2 * shear * self.poisson / (1 - 2 * self.poisson), shear
+
+
+MATERIALS = {
+    "pinewood": Material(young=11.2e9, poisson=0.33, density=515),
+    "steel": Material(young=210e9, poisson=0.3, density=7850),
+    "rubber": Material(young=2.0e6, poisson=0.49, density=930),
+}
+"""Presets.
+
+pinewood: red pine at 12 % moisture along the grain, taken as isotropic: Forest Products Laboratory, Wood
+Handbook (FPL-GTR-190, 2010), chapter 5: modulus 11.2 GPa in static bending and specific gravity 0.46 (of its
+oven-dry mass, so 1.12 times that with its water); Poisson's ratio is the mean of LR (0.347) and LT (0.315).
+steel: structural steel, EN 1993-1-1:2005, 3.2.6; density by EN 1991-1-1:2002, table A.4.
+rubber: natural rubber at small strain, within the ranges of Ashby, Materials Selection in Mechanical Design
+(4th edition, 2011), appendix A. Its ratio, 0.4999, is taken as 0.49.
+"""
+
+
+class LoadCase(Options):
+    """A body on its supports, under its loads."""
+
+    material: Literal["pinewood", "steel", "rubber"] | Material = Field(
+        "pinewood", description="a preset, or young, poisson and density"
+    )
+    fix: list[str] = Field(
+        ["floor"],
+        min_length=1,
+        description="regions held still: floor, top, left, right, back, front, or two corners of a box,"
+        " x,y,z:x,y,z, in the units of the mesh; '/y' behind one holds that component alone",
+    )
+    load: list[str] = Field(
+        ["top=500N"],
+        description="region=force: the total, spread evenly over the region's faces; downward, or 'x,y,z' N",
+    )
+    gravity: bool = Field(False, description="also the body's own weight")
+    size: float = Field(1.0, gt=0, description="metres that one unit of the mesh stands for")
+    order: Literal[1, 2] = Field(2, description="degree of the elements; those of degree 1 lock in bending")
+    reach: float = Field(
+        0.05,
+        ge=0,
+        le=1,
+        description="depth of a side such as the floor, from the outermost face that looks there, over the"
+        " longest extent of the mesh",
+    )
+
+    @property
+    def stuff(self) -> Material:
+        """The material itself."""
+        return MATERIALS[self.material] if isinstance(self.material, str) else self.material
+
+
+class RemeshOptions(Options):
+    """fTetWild (Hu et al. 2020), which meshes the inside of any surface anew."""
+
+    edge: float = Field(
+        0.05, gt=0, lt=1, description="length of edges to aim at, over the diagonal of the box around a shape"
+    )
+    envelope: float = Field(
+        0.001,
+        gt=0,
+        lt=0.1,
+        description="how far the new surface may lie from the old one, over that diagonal",
+    )
+    timeout_seconds: float = Field(120.0, gt=0, description="processor time after which a shape is given up")
+
+
+class SimulationOptions(Options):
+    """Samples under load, and some of them remeshed for comparison."""
+
+    models: list[str] = Field([], description="models whose samples are simulated")
+    samples: int = Field(200, ge=1, description="most samples of each model and mode, the first ones")
+    remeshed: int = Field(
+        20, ge=0, description="most of them whose surface is remeshed by fTetWild too (needs pytetwild)"
+    )
+    case: LoadCase = Field(LoadCase(), description="material, supports and loads")
+    remeshing: RemeshOptions = Field(RemeshOptions(), description="fTetWild")
+
+
+def read_material(text: str) -> str:
+    """A preset's name.
+
+    Raises:
+        UserError: there is none of that name.
+    """
+    if text not in MATERIALS:
+        raise UserError(
+            f"--material: no preset '{text}'; known are {', '.join(MATERIALS)}, "
+            "or give numbers: '{young: 1e10, poisson: 0.3, density: 500}'"
+        )
+    return text

@@ -1,0 +1,39 @@
+"""The child process of remeshing: fTetWild may crash or take hours, and ends nothing but this process.
+
+Run as `python -m tetgan.studies.elasticity.remesh_worker OPTIONS_JSON`; surfaces come on stdin, tets go.
+"""
+
+import sys
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from tetgan.shapes.repair_worker import serve
+from tetgan.studies.elasticity.options import RemeshOptions
+
+
+def tetrahedralise(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], options: RemeshOptions
+) -> tuple[Float[np.ndarray, "W 3"], Int[np.ndarray, "T 4"]]:
+    """Tets that fill a surface, by fTetWild on one core: the same each time."""
+    import pytetwild  # noqa: PLC0415
+
+    points, tets = pytetwild.tetrahedralize(
+        vertices,
+        faces.astype(np.int32),
+        edge_length_fac=options.edge,
+        epsilon=options.envelope,
+        num_threads=1,
+        quiet=True,
+    )
+    return points, tets
+
+
+def main() -> None:
+    """Serve with the options on the command line."""
+    options = RemeshOptions.model_validate_json(sys.argv[1])
+    serve(lambda vertices, faces: tetrahedralise(vertices, faces, options), options.timeout_seconds)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,287 @@
+"""A solid on its supports, under its loads: linear elasticity by finite elements on its tets."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import meshio
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import sparse
+
+from tetgan.errors import UserError
+from tetgan.files import whole_file
+from tetgan.grids.grid import tet_volumes
+from tetgan.meshing.orientation import orientations
+from tetgan.meshing.reading import read_solid
+from tetgan.rendering.meshes import Solid
+from tetgan.studies.elasticity.assembly import (
+    Body,
+    face_weights,
+    rigid_motions,
+    stiffness,
+    stresses,
+    to_vertices,
+    volume_weights,
+    von_mises,
+)
+from tetgan.studies.elasticity.errors import UnfitError
+from tetgan.studies.elasticity.options import LoadCase
+from tetgan.studies.elasticity.pieces import count_free_motions, label_pieces
+from tetgan.studies.elasticity.regions import (
+    DOWN,
+    BoundaryFaces,
+    choose_faces,
+    parse_load,
+    parse_support,
+)
+from tetgan.studies.elasticity.solve import DIRECT_BELOW, Solution, solve
+
+GRAVITY = 9.81  # m/s^2
+
+
+class Push(NamedTuple):
+    """Where a load acts, and its force in newtons."""
+
+    places: Float[np.ndarray, "P 3"]
+    force: tuple[float, float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """A body at rest under its loads.
+
+    Attributes:
+        vertices: (V, 3) of the body without loads, in the units of its mesh.
+        tets: (T, 4).
+        size: metres that one of these units stands for.
+        displacement: (V, 3) of the vertices, in metres.
+        stress: (T,) von Mises stress in each tet, in Pa: of the mean stress in it.
+        load: (3,) sum of all forces on the body, its weight included, in newtons.
+        reaction: (3,) sum of the forces by which the supports hold it.
+        work: of the forces along the displacement, in joules: the compliance, twice the energy stored.
+        pushes: of each load the middles of its faces, in the units of the mesh, and its force.
+        feet: (P, 3) middles of the faces that are held.
+        mass: in kg.
+        unknowns, solution: how large the equations were, and how they were solved.
+    """
+
+    vertices: Float[np.ndarray, "V 3"]
+    tets: Int[np.ndarray, "T 4"]
+    size: float
+    displacement: Float[np.ndarray, "V 3"]
+    stress: Float[np.ndarray, "T"]
+    vertex_stress: Float[np.ndarray, "V"]
+    load: Float[np.ndarray, "3"]
+    reaction: Float[np.ndarray, "3"]
+    work: float
+    pushes: Sequence[Push]
+    feet: Float[np.ndarray, "P 3"]
+    mass: float
+    unknowns: int
+    solution: Solution
+
+    def record(self) -> dict[str, float | int | str]:
+        """Figures of the simulation, by name; lengths in metres, stresses in Pa.
+
+        The highest stress grows without bound as tets get finer where the surface has a sharp inner edge, so
+        the 99th percentile over the tets stands beside it.
+        """
+        return {
+            "tets": len(self.tets),
+            "unknowns": self.unknowns,
+            "method": self.solution.method,
+            "iterations": self.solution.iterations,
+            "residual": self.solution.residual,
+            "mass": self.mass,
+            "peak_displacement": float(np.linalg.norm(self.displacement, axis=1).max()),
+            "peak_stress": float(self.stress.max()),
+            "stress_p99": float(np.percentile(self.stress, 99)),
+            "work": self.work,
+            "load": float(np.linalg.norm(self.load)),
+            "imbalance": float(np.linalg.norm(self.load + self.reaction) / np.linalg.norm(self.load)),
+        }
+
+
+class _Problem(NamedTuple):
+    """A body, and at each of its nodes the force, and which components are held.
+
+    `pushes` and `feet` are as in `Simulation`.
+    """
+
+    body: Body
+    case: LoadCase
+    forces: Float[np.ndarray, "N 3"]
+    pushes: Sequence[Push]
+    held: Bool[np.ndarray, "N 3"]
+    feet: Float[np.ndarray, "P 3"]
+
+
+def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) -> Simulation:
+    """Deform a solid.
+
+    Args:
+        solid: valid tets in any unit.
+        case: material, supports, loads, size and degree of the elements.
+        direct_below: unknowns from which multigrid takes over.
+
+    Raises:
+        UnfitError: inverted tets, a region without faces, a piece that is not held, or equations that are not
+            solved.
+        UserError: a region or load that cannot be read, or no force.
+    """
+    _check_tets(solid)
+    problem = _pose(solid, case)
+    _check_held(problem)
+    matrix = stiffness(problem.body, case.stuff)
+    motions = rigid_motions(problem.body.nodes)
+    solution = solve(matrix, problem.forces.ravel(), problem.held.ravel(), motions, direct_below=direct_below)
+    return _finish(problem, solid, matrix, solution)
+
+
+def _pose(solid: Solid, case: LoadCase) -> _Problem:
+    """Regions looked up, and forces spread over the nodes."""
+    body = Body(solid.vertices * case.size, solid.tets, case.order)
+    faces = body.boundary_faces(case.size)
+    held, feet = _held(body, faces, case)
+    forces, pushes = _forces(body, faces, case)
+    if not forces.any():
+        raise UserError("no force acts on the body; give a load other than zero, or gravity")
+    return _Problem(body, case, forces, pushes, held, feet)
+
+
+def _finish(problem: _Problem, solid: Solid, matrix: sparse.bsr_array, solution: Solution) -> Simulation:
+    """What follows from the displacement of the nodes."""
+    body, stuff = problem.body, problem.case.stuff
+    moved = solution.displacement.reshape(-1, 3)
+    left = (matrix @ solution.displacement).reshape(-1, 3) - problem.forces
+    stress = von_mises(stresses(body, stuff, moved))
+    return Simulation(
+        vertices=solid.vertices,
+        tets=solid.tets,
+        size=problem.case.size,
+        displacement=moved[: len(solid.vertices)],
+        stress=stress,
+        vertex_stress=to_vertices(body, stress),
+        load=problem.forces.sum(axis=0),
+        reaction=np.where(problem.held, left, 0.0).sum(axis=0),
+        work=float((problem.forces * moved).sum()),
+        pushes=problem.pushes,
+        feet=problem.feet,
+        mass=stuff.density * float(tet_volumes(body.vertices, body.tets).sum()),
+        unknowns=moved.size,
+        solution=solution,
+    )
+
+
+def _check_tets(solid: Solid) -> None:
+    """Refuse what has no solution, or one that means nothing."""
+    if len(solid.tets) == 0:
+        raise UnfitError("no tets", "the mesh has no tets")
+    bad = int((orientations(solid.vertices, solid.tets) <= 0).sum())
+    if bad:
+        raise UnfitError(
+            "inverted tets",
+            f"{bad} of {len(solid.tets)} tets are inverted or flat; 'tetgan certify' lists what is wrong, and"
+            " meshes made with '--mode solid' have none",
+        )
+
+
+def _held(
+    body: Body, faces: BoundaryFaces, case: LoadCase
+) -> tuple[Bool[np.ndarray, "N 3"], Float[np.ndarray, "P 3"]]:
+    """Which components of the nodes are held, and the middles of the faces that hold them."""
+    held, feet = np.zeros((len(body.nodes), 3), dtype=bool), np.zeros(len(faces.middles), dtype=bool)
+    for support in map(parse_support, case.fix):
+        chosen = choose_faces(support.region, faces, case.reach)
+        held[body.nodes_of(chosen)] |= np.array(support.components)
+        feet |= chosen
+    return held, faces.middles[feet]
+
+
+def _forces(
+    body: Body, faces: BoundaryFaces, case: LoadCase
+) -> tuple[Float[np.ndarray, "N 3"], Sequence[Push]]:
+    """Forces on the nodes that do the work of even tractions and of the weight; and where the loads act."""
+    forces, pushes = np.zeros((len(body.nodes), 3)), []
+    for load in map(parse_load, case.load):
+        chosen = choose_faces(load.region, faces, case.reach)
+        pushes.append(Push(faces.middles[chosen], load.force))
+        weights = face_weights(body, chosen)
+        forces += (weights / weights.sum())[:, None] * np.array(load.force)
+    if case.gravity:
+        forces += GRAVITY * case.stuff.density * volume_weights(body)[:, None] * np.array(DOWN)
+    return forces, pushes
+
+
+def _check_held(problem: _Problem) -> None:
+    """Every piece must be held against every rigid motion, or its equations have no one solution."""
+    body, held = problem.body, problem.held
+    labels = label_pieces(body.tets)
+    nodes_of_tets = body.basis.element_dofs.T
+    free = []
+    for piece in range(labels.max() + 1):
+        nodes = np.unique(nodes_of_tets[labels == piece])
+        free.append(count_free_motions(body.nodes[nodes], held[nodes]))
+    loose = np.flatnonzero(free)
+    where = "', '".join(problem.case.fix)
+    if len(loose) and len(free) == 1:
+        raise UnfitError(
+            "not held",
+            f"'{where}' leaves the body free to move in {free[0]} of 6 ways;"
+            " hold it in more places or directions",
+        )
+    if len(loose):
+        tets = int(np.isin(labels, loose).sum())
+        raise UnfitError(
+            "not held",
+            f"{len(loose)} of {len(free)} pieces ({tets} of {len(labels)} tets) are not held by '{where}';"
+            " simulate the largest piece alone (--largest), or hold the others too",
+        )
+
+
+def read_body(path: Path) -> Solid:
+    """The tets of a file, and the vertices they use.
+
+    Raises:
+        UserError: it cannot be read, holds no tets, or a face has more than two.
+    """
+    mesh = read_solid(path)
+    return Solid(mesh.vertices, mesh.tets)
+
+
+def write_simulation(path: Path, result: Simulation) -> None:
+    """Write the mesh at rest, in metres, with `displacement` and `von_mises` on it, as the suffix says.
+
+    Raises:
+        UserError: meshio cannot write that suffix.
+    """
+    mesh = meshio.Mesh(
+        result.vertices * result.size,
+        [("tetra", result.tets)],
+        point_data={"displacement": result.displacement, "von_mises": result.vertex_stress},
+        cell_data={"von_mises": [result.stress]},
+    )
+    with whole_file(path) as partial:
+        try:
+            meshio.write(partial, mesh)
+        except (meshio.ReadError, meshio.WriteError):
+            raise UserError(f"{path}: no mesh format '{path.suffix}' to write; use '.vtu'") from None
+
+
+def readable_record(result: Simulation) -> dict[str, str]:
+    """The figures that matter, in words and handy units."""
+    record: dict[str, Any] = result.record()
+    return {
+        "tets": f"{record['tets']:,}",
+        "unknowns": f"{record['unknowns']:,}",
+        "solver": f"{record['method']}, {record['iterations']} iterations, residual {record['residual']:.0e}",
+        "mass": f"{record['mass']:.4g} kg",
+        "load": f"{record['load']:.4g} N",
+        "sum of load and reaction": f"{record['imbalance']:.0e} of the load",
+        "largest displacement": f"{1e3 * record['peak_displacement']:.4g} mm",
+        "highest von Mises stress": f"{record['peak_stress'] / 1e6:.4g} MPa",
+        "99th percentile of it": f"{record['stress_p99'] / 1e6:.4g} MPa",
+        "work of the load": f"{record['work']:.4g} J",
+    }

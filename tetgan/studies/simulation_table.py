@@ -1,0 +1,112 @@
+"""The simulation study as people read it: a row a model and mode."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from tetgan.errors import UserError
+from tetgan.evaluation.markdown import markdown_table, page, round_value, write_twins
+
+_IDENTITY = ["category", "model", "grid", "mode", "smoothing"]
+_NOTES = [
+    "Samples are the first generated ones of each model; of one in several pieces the largest is simulated.",
+    "Not simulated: samples with inverted tets, for which no solution means anything; 'not held' are those"
+    " whose feet do not keep them from moving; 'empty region' those without a face that looks down at the"
+    " floor, or up at the top; 'nothing in it' are empty ones.",
+    "Standing: the centre of mass lies above the hull of the feet.",
+    "Largest displacement: median over the simulated samples, with the 5th and 95th percentiles, mm.",
+    "Remeshed: the surface of the first of them was filled anew by fTetWild, and the same load put on it; the"
+    " difference is that of the largest displacement, over that of the remeshed body.",
+]
+
+
+def write_simulation_table(studies: Sequence[Path], out: Path) -> None:
+    """Write a row for each study, as CSV and as Markdown.
+
+    Raises:
+        UserError: a file is no study of `tetgan simulation-study`.
+    """
+    table = pd.DataFrame([summarise(_read(path)) for path in studies])
+    write_twins(table, page("Simulation", _readable(table), notes=_NOTES), out)
+
+
+def summarise(rows: pd.DataFrame) -> dict[str, Any]:
+    """Counts, and the distribution of what was measured, over the samples of one model and mode."""
+    done = rows[rows["reason"] == ""]
+    failed = rows.loc[rows["reason"] != "", "reason"].value_counts()
+    peaks = 1e3 * _column(done, "peak_displacement")
+    difference = _column(done, "difference").abs().dropna()
+    identity = {name: rows[name].iloc[0] for name in _IDENTITY if name in rows}
+    return {
+        **identity,
+        "n": len(rows),
+        "simulated": len(done),
+        "failed": len(rows) - len(done),
+        "reasons": "; ".join(f"{count} {reason}" for reason, count in failed.items()),
+        "in_pieces": int((_column(done, "pieces") > 1).sum()),
+        "standing": int((_column(done, "standing") == 1).sum()),
+        "tets": _column(done, "tets").median(),
+        "seconds": _column(done, "seconds").median(),
+        "seconds_most": _column(done, "seconds").max(),
+        "imbalance_most": _column(done, "imbalance").max(),
+        "displacement": peaks.median(),
+        "displacement_p5": peaks.quantile(0.05),
+        "displacement_p95": peaks.quantile(0.95),
+        "stress_p99": _column(done, "stress_p99").median() / 1e6,
+        "remeshed": len(difference),
+        "remeshed_tets": _column(done, "remeshed_tets").median(),
+        "difference": difference.median(),
+        "difference_p90": difference.quantile(0.9),
+        "difference_most": difference.max(),
+    }
+
+
+def _column(rows: pd.DataFrame, name: str) -> pd.Series:
+    """Numbers of a column; missing ones where no row has it."""
+    values = rows[name] if name in rows else pd.Series(float("nan"), rows.index)
+    return values.astype(float)
+
+
+def _read(path: Path) -> pd.DataFrame:
+    kinds = {"id": str, "reason": str, "smoothing": str}
+    try:
+        rows = pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""])
+        return rows.assign(reason=rows["reason"].fillna(""))
+    except (OSError, ValueError, KeyError) as error:
+        raise UserError(f"{path}: not a simulation study ({error}); run 'tetgan simulation-study'") from None
+
+
+def _readable(table: pd.DataFrame) -> str:
+    return markdown_table(
+        {
+            "Category": table["category"],
+            "Model": table["model"],
+            "Mode": table["mode"],
+            "Samples": table["n"],
+            "Simulated": table["simulated"],
+            "Not simulated": table["reasons"].replace("", "—"),
+            "In pieces": table["in_pieces"],
+            "Standing": table["standing"],
+            "Tets": table["tets"].map(_number),
+            "Seconds": table["seconds"].map(_number),
+            "Largest displacement, mm": table.apply(_peaks, axis=1),
+            "Remeshed": table["remeshed"],
+            "Difference, median": table["difference"].map(_share),
+            "Largest difference": table["difference_most"].map(_share),
+        }
+    )
+
+
+def _peaks(row: pd.Series) -> str:
+    middle, low, high = (_number(row[f"displacement{part}"]) for part in ("", "_p5", "_p95"))
+    return f"{middle} [{low}, {high}]"
+
+
+def _number(value: float) -> str:
+    return "—" if pd.isna(value) else round_value(value)
+
+
+def _share(value: float) -> str:
+    return "—" if pd.isna(value) else f"{value:.1%}"

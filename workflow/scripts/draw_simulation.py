@@ -1,0 +1,30 @@
+"""One sample at rest and under load."""
+
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+from tetgan.rendering.style import save_plot
+from tetgan.studies.elasticity.figure import draw_simulation, exaggeration
+from tetgan.studies.elasticity.options import SimulationOptions
+from tetgan.studies.simulation import write_simulation
+from tetgan.studies.simulation_study import first_standing
+
+
+def draw(samples: Path, model: str, options: SimulationOptions, out: Path) -> None:
+    found = first_standing(samples, options.case)
+    row = {"model": model, "id": found.sample, "whole": found.whole, "standing": found.standing}
+    data = pd.DataFrame([{**row, **found.result.record(), "exaggeration": exaggeration(found.result)}])
+    save_plot(out, draw_simulation(found.result, f"sample {found.sample} of {model}"), data)
+    write_simulation(out.with_suffix(".vtu"), found.result)
+
+
+with Path(snakemake.log[0]).open("w") as log:
+    sys.stdout = sys.stderr = log
+    draw(
+        Path(snakemake.input.samples),
+        snakemake.params.name,
+        SimulationOptions.model_validate_json(snakemake.params.options),
+        Path(snakemake.output.picture),
+    )
