@@ -1,9 +1,11 @@
 """The digest of code changes with what a module imports, and with nothing else."""
 
 import sys
+from pathlib import Path
 
 import pytest
 
+import tetgan.nn.backends
 from tetgan.code import _imported, code_digest
 from tetgan.models.kinds import find_kind
 
@@ -47,6 +49,18 @@ def test_a_single_module_and_one_that_is_not_there(tmp_path, monkeypatch):
     (tmp_path / "alone_here.py").write_text("import absent_here\n")
     monkeypatch.syspath_prepend(tmp_path)
     assert set(_imported(["alone_here", "absent_here.part"], set())) == {"alone_here"}
+
+
+def test_modules_that_are_named_in_part_all_count(package):
+    (package / "entry.py").write_text(
+        "import importlib\ndef one(name):\n    importlib.import_module(f'made_up.{name}')\n"
+    )
+    assert {"made_up.near", "made_up.far", "made_up.apart"} <= set(_imported(["made_up.entry"], set()))
+
+
+def test_every_backend_of_the_convolution_counts():
+    backends = {path.stem for path in (Path(tetgan.nn.backends.__file__).parent).glob("*.py")} - {"__init__"}
+    assert {f"tetgan.nn.backends.{name}" for name in backends} <= behind("tetgan")
 
 
 def behind(kind: str) -> set[str]:

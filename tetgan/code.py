@@ -57,9 +57,23 @@ def _path_of(parts: list[str]) -> Path | None:
     return next((path for path in paths if path.suffix == ".py" and path.is_file()), None)
 
 
+def _modules_of(package: str) -> Iterator[str]:
+    """Names of the modules right in a package."""
+    path = _path_of(package.split("."))
+    if path is not None:
+        yield from (f"{package}.{module.stem}" for module in path.parent.glob("*.py"))
+
+
 def _imports(source: bytes, package: str) -> Iterator[str]:
-    """Names that a module may import: of `from a import b`, both `a` and `a.b`."""
+    """Names that a module may import: of `from a import b`, both `a` and `a.b`.
+
+    Of a name that is put together, as in `import_module(f"a.{b}")`, every module of `a`.
+    """
     for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            match node.args[0]:
+                case ast.JoinedStr(values=[ast.Constant(value=start), *_]):
+                    yield from _modules_of(str(start).rpartition(".")[0])
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):

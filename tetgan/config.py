@@ -37,9 +37,6 @@ TABLES = {
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
 
 ModuleName = Annotated[str, Field(pattern=MODULE_NAME)]
-ONE_MODE = ("pca", "deftet")
-"""Kinds of model on a grid that are yardsticks for their fields: meshed in the first mode only."""
-
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
@@ -151,14 +148,19 @@ class Config(Options):
         for name in self.ablation:
             if name not in self.models:
                 raise ValueError(f"ablation: '{name}' has no entry under models")
-        for name in self.figures.models or []:
-            if name not in self.models:
-                raise ValueError(f"figures.models: '{name}' is not one of {sorted(self.models)}")
-        for study in ("smoothing", "simulation"):
-            for name in getattr(self.studies, study).models:
-                if name not in self.models:
-                    raise ValueError(f"studies.{study}.models: '{name}' has no entry under models")
+        self._check_shown("figures.models", self.figures.models or [])
+        self._check_shown("studies.smoothing.models", self.studies.smoothing.models)
+        self._check_shown("studies.simulation.models", self.studies.simulation.models)
         return self
+
+    def _check_shown(self, key: str, names: list[str]) -> None:
+        """What shows interiors, latents or displacements takes models of fields."""
+        known = [name for name, model in self.models.items() if kind_of(model).has_fields]
+        for name in names:
+            if name not in known:
+                raise ValueError(
+                    f"{key}: '{name}' is no model of fields; there are {', '.join(sorted(known))}"
+                )
 
     def _check_data(self, name: str, model: Any) -> None:
         """A model must name what it learns from, or is made from."""
@@ -214,9 +216,8 @@ class Config(Options):
 
     def modes_of(self, model: str) -> list[Mode]:
         """Modes in which a model's samples are meshed; where it gives no fields, there is only a name."""
-        options = self.models[model]
-        several = hasattr(options, "grid") and options.kind not in ONE_MODE
-        return self.modes if several else self.modes[:1]
+        kind = kind_of(self.models[model])
+        return self.modes if kind.has_fields and not kind.one_mode else self.modes[:1]
 
     def shown_mode(self, model: str) -> Mode:
         """The mode of figures: that of `meshing`, where the model is meshed so."""

@@ -17,6 +17,8 @@ def test_the_folder_holds_weights_options_log_and_noise(extractor):
         "options.json",
         "log.csv",
         "noise.csv",
+        "events",
+        "checkpoint.pt",
     }
     assert json.loads((extractor / "options.json").read_text())["categories"] == ["slab", "rod"]
 

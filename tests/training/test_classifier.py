@@ -10,8 +10,9 @@ import pytest
 import torch
 
 from tetgan.errors import UserError
-from tetgan.training.classifier import _turn, train_classifier
+from tetgan.training.classifier import ClassifierTrainer, _turn, train_classifier
 from tetgan.training.extractor_options import ExtractorOptions
+from tetgan.training.labelled import read_splits
 
 OPTIONS = ExtractorOptions(train=4, holdout=2, epochs=3, batch_size=4, seed=1)
 
@@ -66,6 +67,29 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(boxes, tmp_path
         train_classifier(boxes, ["lying", "standing"], options, tmp_path / name)
     assert digest(tmp_path / "again") == digest(tmp_path / "one") != digest(tmp_path / "other")
     assert torch.equal(torch.random.get_rng_state(), before)
+
+
+def test_a_run_that_was_stopped_ends_like_one_that_was_not(boxes, trained, tmp_path):
+    splits = read_splits(boxes, OPTIONS, torch.device("cpu"))
+
+    def run() -> ClassifierTrainer:
+        return ClassifierTrainer(*splits, ["lying", "standing"], OPTIONS, tmp_path, checkpoint_seconds=0.0)
+
+    stopped = run()
+    take_step = stopped.take_step
+
+    def stop(draws):
+        if stopped.step == 3:  # within an epoch
+            raise KeyboardInterrupt
+        return take_step(draws)
+
+    stopped.take_step = stop
+    with pytest.raises(KeyboardInterrupt):
+        stopped.run()
+    assert not (tmp_path / "weights.safetensors").exists()
+    run().run()
+    assert digest(tmp_path) == digest(trained)
+    assert (tmp_path / "log.csv").read_text() == (trained / "log.csv").read_text()
 
 
 def test_a_checkpoint_is_taken_as_it_is_and_its_accuracy_measured(boxes, trained, tmp_path):

@@ -12,7 +12,7 @@ from tetgan.evaluation.features import cloud_features
 from tetgan.evaluation.frechet import fid, kid
 from tetgan.evaluation.options import ExtractorOptions
 from tetgan.evaluation.seeds import named_rng
-from tetgan.files import whole_folder
+from tetgan.files import whole_file
 from tetgan.models.pointnet2 import PointNet2, load_classifier
 from tetgan.shapes.clouds import read_clouds
 from tetgan.training.classifier import train_classifier
@@ -34,14 +34,14 @@ def train_extractor(
     Raises:
         UserError: as `train_classifier`.
     """
-    with whole_folder(out_folder) as folder:
-        train_classifier(clouds, categories, options, folder)
-        found = [read_clouds(path) for path in clouds]
-        reference = _pool([each.holdout for each in found], options.noise_samples)
-        others = _pool([each.train for each in found], options.noise_samples)
-        size = min(len(reference), len(others))
-        curve = noise_curve(load_classifier(folder).network, reference[:size], others[:size], options.seed)
-        curve.to_csv(folder / "noise.csv", index=False)
+    train_classifier(clouds, categories, options, out_folder)
+    found = [read_clouds(path) for path in clouds]
+    reference = _pool([each.holdout for each in found], options.noise_samples)
+    others = _pool([each.train for each in found], options.noise_samples)
+    size = min(len(reference), len(others))
+    curve = noise_curve(load_classifier(out_folder).network, reference[:size], others[:size], options.seed)
+    with whole_file(out_folder / "noise.csv") as partial:
+        curve.to_csv(partial, index=False)
     if not curve["fid"].is_monotonic_increasing:
         _log.warning(
             "the extractor's FID does not rise with noise: do not trust it (%s/noise.csv)", out_folder

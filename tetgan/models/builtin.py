@@ -30,11 +30,13 @@ KINDS = (
         train="tetgan.training.deftet:train_deftet",
         training="tetgan.training.options:TrainingOptions",
         of=("tetgan",),
+        one_mode=True,
     ),
     ModelKind(
         PcaOptions,
         build="tetgan.models.baselines.pca:PcaGenerator",
         train="tetgan.training.fitted:fit_model",
+        one_mode=True,
         logged=False,
     ),
     ModelKind(

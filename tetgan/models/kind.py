@@ -44,6 +44,9 @@ class ModelKind:
     sizes: Reference = "tetgan.models.sizes:of_data"
     """From options, those of grid or sampling, and training options what `Config.reductions` compares."""
 
+    one_mode: bool = False
+    """Whether its fields are meshed in the first mode alone, as those of a yardstick."""
+
     shares_batches: bool = False
     """Whether several processes can train one model together."""
 
@@ -68,6 +71,11 @@ class ModelKind:
     def trained(self) -> bool:
         """Whether there are weights."""
         return self.build is not None
+
+    @property
+    def has_fields(self) -> bool:
+        """Whether its shapes are fields on a grid, with interiors to show and latents to encode."""
+        return self.trained and self.sampling is None
 
     @property
     def modules(self) -> set[str]:

@@ -17,6 +17,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from tetgan.errors import UserError
+from tetgan.files import whole_file
 
 INPUT_POINTS = 1024
 FEATURES = 256
@@ -208,8 +209,10 @@ class Classifier(NamedTuple):
 def save_classifier(folder: Path, network: PointNet2, about: dict[str, Any]) -> None:
     """Write `weights.safetensors` and `options.json`; `about` holds `categories` and `holdout_accuracy`."""
     tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in network.state_dict().items()}
-    save_file(tensors, folder / "weights.safetensors")
-    (folder / "options.json").write_text(json.dumps(about, indent=1) + "\n")
+    with whole_file(folder / "options.json") as partial:
+        partial.write_text(json.dumps(about, indent=1) + "\n")
+    with whole_file(folder / "weights.safetensors") as partial:
+        save_file(tensors, partial)
 
 
 def load_classifier(folder: Path, device: torch.device | str = "cpu") -> Classifier:

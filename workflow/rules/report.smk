@@ -1,13 +1,20 @@
 """One page with everything under the results, which opens offline.
 
-Inputs: what the default target makes, and the samples of the models whose solids the page shows. Output: one HTML
-file. It takes every table and figure it finds, those of other targets included.
+Inputs: what the default target makes, every other table and figure that is there when Snakemake starts, and the
+samples of the models whose solids the page shows. Output: one HTML file. What `paper` adds is on the next page.
 """
+
+# With these as inputs a page is out of date when one of them is, or when there are more.
+FOUND = [
+    target
+    for target in PAPER_TARGETS
+    if Path(target.replace("<results>", RESULTS)).is_file()
+]
 
 
 rule report_page:
     input:
-        rules.all.input,
+        sorted({*DEFAULT_TARGETS, *FOUND}),
         samples=expand(
             each_mode(
                 "<results>/samples/{{category}}/{model}/{seed}/{mode}",

@@ -55,7 +55,9 @@ rule train_extractor:
     params:
         folder=subpath(output.weights, parent=True),
         options=section("extractor"),
-        code=stage_digest("models/pointnet2", "training/classifier", "evaluation"),
+        code=code_digest(
+            ["tetgan.evaluation.extractor"], ["models", "training", "evaluation"]
+        ),
     shell:
         "tetgan extractor {input.clouds:q} {params.folder:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"
