@@ -29,6 +29,7 @@ from tetgan.studies.elasticity.assembly import (
 from tetgan.studies.elasticity.errors import UnfitError
 from tetgan.studies.elasticity.options import LoadCase
 from tetgan.studies.elasticity.pieces import count_free_motions, label_pieces
+from tetgan.studies.elasticity.refine import cut_tets
 from tetgan.studies.elasticity.regions import (
     DOWN,
     BoundaryFaces,
@@ -54,7 +55,7 @@ class Simulation:
 
     Attributes:
         vertices: (V, 3) of the body without loads, in the units of its mesh.
-        tets: (T, 4).
+        tets: (T, 4), those of the mesh or the finer ones that `refine` asks for.
         size: metres that one of these units stands for.
         displacement: (V, 3) of the vertices, in metres.
         stress: (T,) von Mises stress in each tet, in Pa: of the mean stress in it.
@@ -132,6 +133,7 @@ def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) 
         UserError: a region or load that cannot be read, or no force.
     """
     _check_tets(solid)
+    solid = cut_tets(solid, case.refine)
     problem = _pose(solid, case)
     _check_held(problem)
     matrix = stiffness(problem.body, case.stuff)

@@ -29,7 +29,7 @@ def test_a_bar_in_tension_is_exact(bar, order):
 
 
 def test_a_column_shortens_under_its_own_weight(bar):
-    """Held at its foot, without Poisson's effect, its top sinks by rho g L^2 / 2E: a quadratic displacement."""
+    """Without Poisson's effect the top sinks by rho g L^2 / 2E: a quadratic displacement."""
     solid = bar(8, 1)
     upright = solid._replace(vertices=solid.vertices[:, [1, 0, 2]], tets=solid.tets[:, [0, 2, 1, 3]])
     stuff = STUFF.model_copy(update={"poisson": 0.0})
@@ -37,7 +37,7 @@ def test_a_column_shortens_under_its_own_weight(bar):
     found = simulate(upright, case)
     assert found.mass == pytest.approx(2 * (2 * SIDE) ** 2 * stuff.density)
     assert found.load == pytest.approx([0, -found.mass * GRAVITY, 0])
-    assert found.reaction == pytest.approx([0, found.mass * GRAVITY, 0])
+    assert found.reaction == pytest.approx([0, found.mass * GRAVITY, 0], abs=1e-8)
     top = found.vertices[:, 1] == 1
     expected = stuff.density * GRAVITY * 2.0**2 / (2 * stuff.young)
     assert -found.displacement[top, 1] == pytest.approx(expected, rel=1e-9)

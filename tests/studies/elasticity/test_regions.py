@@ -33,6 +33,17 @@ def test_a_deep_side_takes_no_face_that_looks_elsewhere(faces):
     assert np.array_equal(choose_faces("top", faces, 1.0), choose_faces("top", faces, 0.0))
 
 
+def test_a_side_starts_at_its_outermost_face_however_pointed_the_mesh():
+    # A tet on its tip: all faces there are steep. Blunt, it has one that looks down.
+    vertices = np.array([[0, 0, 0], [1, 3, 0], [0, 3, 1], [-1, 3, -1.0]])
+    faces = Body(vertices, np.array([[0, 1, 2, 3]]), 1).boundary_faces(1.0)
+    assert choose_faces("top", faces, 0.0).sum() == 1
+    with pytest.raises(UnfitError):
+        choose_faces("floor", faces, 1.0)
+    blunt = np.concatenate([vertices[1:], [[0.2, 2.5, 0]]])
+    assert choose_faces("floor", Body(blunt, np.array([[0, 1, 2, 3]]), 1).boundary_faces(1.0), 0.1).any()
+
+
 def test_a_box_holds_the_faces_centred_in_it(faces):
     half = choose_faces("0,1,0:0.5,1,1", faces, 0.05)
     assert half.sum() == 16

@@ -57,12 +57,13 @@ class LoadCase(Options):
     gravity: bool = Field(False, description="also the body's own weight")
     size: float = Field(1.0, gt=0, description="metres that one unit of the mesh stands for")
     order: Literal[1, 2] = Field(2, description="degree of the elements; those of degree 1 lock in bending")
+    refine: int = Field(0, ge=0, le=3, description="times that each tet is cut into eight first")
     reach: float = Field(
         0.05,
         ge=0,
         le=1,
-        description="how far from the outermost point a face may be that belongs to a side such as the floor,"
-        " over the extent in that direction",
+        description="depth of a side such as the floor, from the outermost face that looks there, over the"
+        " longest extent of the mesh",
     )
 
     @property

@@ -82,7 +82,7 @@ def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.nda
     """Which faces a region holds: by name those that look to a side and lie near it; those centred in a box.
 
     Args:
-        reach: of a named side, over the extent in its direction.
+        reach: depth of a named side, over the mesh's longest extent.
 
     Raises:
         UserError: no such region.
@@ -102,10 +102,11 @@ def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.nda
 
 
 def _at_side(axis: int, direction: int, faces: BoundaryFaces, reach: float) -> Bool[np.ndarray, "F"]:
-    end = faces.high[axis] if direction > 0 else faces.low[axis]
-    extent = faces.high[axis] - faces.low[axis]
-    near = np.abs(faces.middles[:, axis] - end) <= (reach + 1e-9) * extent
-    return near & (direction * faces.normals[:, axis] > _FACING)
+    """Faces that look to a side, and lie little further in than the outermost of them."""
+    looking = direction * faces.normals[:, axis] > _FACING
+    height = direction * faces.middles[:, axis]
+    depth = (reach + 1e-9) * float((faces.high - faces.low).max())
+    return looking & (height >= height.max(where=looking, initial=-np.inf) - depth)
 
 
 def _inside(
