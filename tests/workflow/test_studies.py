@@ -1,5 +1,6 @@
 """The studies in the smoke run."""
 
+import meshio
 import numpy as np
 import pandas as pd
 import pytest
@@ -11,6 +12,8 @@ TARGETS = [
     "results/smoke/tables/resolution.csv",
     "results/smoke/tables/smoothing.csv",
     "results/smoke/figures/chair/smoothing.png",
+    "results/smoke/tables/simulation.csv",
+    "results/smoke/figures/chair/simulation.png",
 ]
 
 
@@ -37,7 +40,17 @@ def test_tables_hold_every_representation_and_variant(studied):
 
 
 def test_figures_show_something(studied):
-    for target in ("results/smoke/figures/resolution.png", TARGETS[2]):
+    for target in ("results/smoke/figures/resolution.png", TARGETS[2], TARGETS[4]):
         picture = np.asarray(Image.open(studied / target).convert("L"))
         assert 0.02 < (picture < 230).mean() < 0.9
     assert (studied / "results/smoke/figures/resolution.csv").is_file()
+
+
+def test_samples_are_simulated_in_both_modes(studied):
+    table = pd.read_csv(studied / TARGETS[3])
+    assert table["mode"].tolist() == ["paper", "solid"]
+    assert (table["n"] == 6).all() and (table["remeshed"] == 0).all()
+    solid = table.set_index("mode").loc["solid"]
+    # An empty sample has nothing in it; every other one is a valid solid.
+    assert solid["failed"] == 0 or solid["reasons"] == f"{solid['failed']} nothing in it"
+    assert len(meshio.read(studied / TARGETS[4].replace(".png", ".vtu")).cells_dict["tetra"])

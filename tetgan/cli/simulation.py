@@ -34,6 +34,7 @@ def simulate(
     gravity: Annotated[bool, typer.Option(help="Add the body's own weight.")] = False,
     size: Annotated[float, typer.Option(help="Metres that one unit of the mesh stands for.")] = 1.0,
     order: Annotated[int, typer.Option(help="Degree of the elements; degree 1 is too stiff in bending.")] = 2,
+    refine: Annotated[int, typer.Option(help="Times that each tet is cut into eight first.")] = 0,
     reach: Annotated[float, typer.Option(help="Depth of a side, over the mesh's longest extent.")] = 0.05,
     largest: Annotated[bool, typer.Option(help="Simulate the largest piece alone.")] = False,
     out: Annotated[
@@ -61,6 +62,7 @@ def simulate(
         "gravity": gravity,
         "size": size,
         "order": order,
+        "refine": refine,
         "reach": reach,
     }
     values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}

@@ -8,7 +8,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from types import TracebackType
-from typing import ClassVar, Protocol, TypeVar
+from typing import ClassVar, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -20,6 +20,7 @@ _START_SECONDS = 60.0
 _PATIENCE = 20.0  # wall seconds a processor second
 
 
+@runtime_checkable
 class TimedOptions(Protocol):
     """Options that say for how long the child may work on a mesh."""
 

@@ -29,6 +29,7 @@ from tetgan.studies.elasticity.assembly import (
 from tetgan.studies.elasticity.errors import UnfitError
 from tetgan.studies.elasticity.options import LoadCase
 from tetgan.studies.elasticity.pieces import count_free_motions, label_pieces
+from tetgan.studies.elasticity.refine import cut_tets
 from tetgan.studies.elasticity.regions import (
     DOWN,
     BoundaryFaces,
@@ -54,7 +55,7 @@ class Simulation:
 
     Attributes:
         vertices: (V, 3) of the body without loads, in the units of its mesh.
-        tets: (T, 4).
+        tets: (T, 4), those of the mesh or the finer ones that `refine` asks for.
         size: metres that one of these units stands for.
         displacement: (V, 3) of the vertices, in metres.
         stress: (T,) von Mises stress in each tet, in Pa: of the mean stress in it.
@@ -62,7 +63,7 @@ class Simulation:
         reaction: (3,) sum of the forces by which the supports hold it.
         work: of the forces along the displacement, in joules: the compliance, twice the energy stored.
         pushes: of each load the middles of its faces, in the units of the mesh, and its force.
-        feet: (P, 3) middles of the faces that are held.
+        feet: (P, 3) nodes that are held, in the units of the mesh.
         mass: in kg.
         unknowns, solution: how large the equations were, and how they were solved.
     """
@@ -107,7 +108,7 @@ class Simulation:
 class _Problem(NamedTuple):
     """A body, and at each of its nodes the force, and which components are held.
 
-    `pushes` and `feet` are as in `Simulation`.
+    `pushes` are as in `Simulation`.
     """
 
     body: Body
@@ -115,7 +116,6 @@ class _Problem(NamedTuple):
     forces: Float[np.ndarray, "N 3"]
     pushes: Sequence[Push]
     held: Bool[np.ndarray, "N 3"]
-    feet: Float[np.ndarray, "P 3"]
 
 
 def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) -> Simulation:
@@ -132,6 +132,7 @@ def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) 
         UserError: a region or load that cannot be read, or no force.
     """
     _check_tets(solid)
+    solid = cut_tets(solid, case.refine)
     problem = _pose(solid, case)
     _check_held(problem)
     matrix = stiffness(problem.body, case.stuff)
@@ -144,11 +145,11 @@ def _pose(solid: Solid, case: LoadCase) -> _Problem:
     """Regions looked up, and forces spread over the nodes."""
     body = Body(solid.vertices * case.size, solid.tets, case.order)
     faces = body.boundary_faces(case.size)
-    held, feet = _held(body, faces, case)
+    held = _held(body, faces, case)
     forces, pushes = _forces(body, faces, case)
     if not forces.any():
         raise UserError("no force acts on the body; give a load other than zero, or gravity")
-    return _Problem(body, case, forces, pushes, held, feet)
+    return _Problem(body, case, forces, pushes, held)
 
 
 def _finish(problem: _Problem, solid: Solid, matrix: sparse.bsr_array, solution: Solution) -> Simulation:
@@ -168,7 +169,7 @@ def _finish(problem: _Problem, solid: Solid, matrix: sparse.bsr_array, solution:
         reaction=np.where(problem.held, left, 0.0).sum(axis=0),
         work=float((problem.forces * moved).sum()),
         pushes=problem.pushes,
-        feet=problem.feet,
+        feet=body.nodes[problem.held.any(axis=1)] / problem.case.size,
         mass=stuff.density * float(tet_volumes(body.vertices, body.tets).sum()),
         unknowns=moved.size,
         solution=solution,
@@ -188,16 +189,13 @@ def _check_tets(solid: Solid) -> None:
         )
 
 
-def _held(
-    body: Body, faces: BoundaryFaces, case: LoadCase
-) -> tuple[Bool[np.ndarray, "N 3"], Float[np.ndarray, "P 3"]]:
-    """Which components of the nodes are held, and the middles of the faces that hold them."""
-    held, feet = np.zeros((len(body.nodes), 3), dtype=bool), np.zeros(len(faces.middles), dtype=bool)
+def _held(body: Body, faces: BoundaryFaces, case: LoadCase) -> Bool[np.ndarray, "N 3"]:
+    """Which components of the nodes are held."""
+    held = np.zeros((len(body.nodes), 3), dtype=bool)
     for support in map(parse_support, case.fix):
-        chosen = choose_faces(support.region, faces, case.reach)
-        held[body.nodes_of(chosen)] |= np.array(support.components)
-        feet |= chosen
-    return held, faces.middles[feet]
+        nodes = body.nodes_of(choose_faces(support.region, faces, case.reach))
+        held[nodes] |= np.array(support.components)
+    return held
 
 
 def _forces(

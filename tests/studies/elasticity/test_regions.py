@@ -34,7 +34,7 @@ def test_a_deep_side_takes_no_face_that_looks_elsewhere(faces):
 
 
 def test_a_side_starts_at_its_outermost_face_however_pointed_the_mesh():
-    # A tet on its tip: all faces there are steep. Blunt, it has a face that looks down, above its lowest point.
+    # A tet on its tip: all faces there are steep. Blunt, it has one that looks down.
     vertices = np.array([[0, 0, 0], [1, 3, 0], [0, 3, 1], [-1, 3, -1.0]])
     faces = Body(vertices, np.array([[0, 1, 2, 3]]), 1).boundary_faces(1.0)
     assert choose_faces("top", faces, 0.0).sum() == 1

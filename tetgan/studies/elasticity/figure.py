@@ -22,7 +22,7 @@ WOOD: tuple[float, float, float] = (0.60, 0.36, 0.16)  # linear RGB of the body 
 _COLOURS = "turbo"
 _SHOWN = 0.12  # of the body's longest side: how far the exaggerated displacement may go
 _VIEW = View(size=(900, 900), azimuth=35, elevation=18)
-_ARROWS = 5  # most arrows of a load along either horizontal direction
+_ARROWS = 5  # most arrows of a load along either direction across it
 _ARROW = 0.11  # length of an arrow, cube sides
 Units = tuple[tuple[float, str], ...]
 _LENGTHS: Units = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"))
@@ -48,12 +48,12 @@ def draw_simulation(result: Simulation, title: str) -> Figure:
     bent = view.draw(moved, faces, shades[:, :3] ** _GAMMA)
     peak = float(np.linalg.norm(result.displacement, axis=1).max())
     with plot_style():
-        figure = Figure(figsize=(WIDTH, 0.47 * WIDTH), layout="constrained")
+        figure = Figure(figsize=(WIDTH, 0.5 * WIDTH), layout="constrained")
         left, right = figure.subplots(1, 2)
-        _show(left, rest, f"{title}, with {_loads(result)} on it")
+        _show(left, rest, f"{title}\nat rest; {_loads(result)}")
         for push in result.pushes:
             _draw_arrows(left, push, view)
-        _show(right, bent, f"moves {_handy(peak, _LENGTHS)} at most, shown {times:,g} times")
+        _show(right, bent, f"moves {_handy(peak, _LENGTHS)} at most,\nshown {times:,g} times larger")
         right.contour((rest < 255).any(axis=2), levels=[0.5], colors="#666666", linewidths=0.6)
         unit, name = _unit_of(top, _STRESSES)
         colours = ScalarMappable(Normalize(0, top / unit), _COLOURS)
@@ -108,17 +108,18 @@ def _show(axes: Axes, picture: UInt8[np.ndarray, "H W 3"], title: str) -> None:
 
 def _draw_arrows(axes: Axes, push: Push, view: View) -> None:
     """Arrows that end on a load's faces, spread over them."""
-    ends = _spread(push.places)
+    ends = _spread(push.places, int(np.abs(push.force).argmax()))
     starts = ends - _ARROW * _unit(push.force)
     for start, end in zip(_pixels(starts, view), _pixels(ends, view), strict=True):
         looks = {"arrowstyle": "-|>", "color": "#B00020", "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", xy=tuple(end), xytext=tuple(start), arrowprops=looks)
 
 
-def _spread(places: Float[np.ndarray, "P 3"]) -> Float[np.ndarray, "A 3"]:
-    """The place nearest to the middle of each cell of a coarse net over them."""
+def _spread(places: Float[np.ndarray, "P 3"], axis: int) -> Float[np.ndarray, "A 3"]:
+    """The place nearest to the middle of each cell of a coarse net over them, seen along an axis."""
     low, extent = places.min(axis=0), np.ptp(places, axis=0)
     inside = (places - low) / np.where(extent > 0, extent, 1.0) * _ARROWS
+    inside[:, axis] = 0.5
     cells = np.minimum(inside.astype(np.int64), _ARROWS - 1)
     order = np.argsort(((inside - cells - 0.5) ** 2).sum(axis=1), kind="stable")
     _, first = np.unique(cells[order], axis=0, return_index=True)

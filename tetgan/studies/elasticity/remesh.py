@@ -32,6 +32,7 @@ class RemeshWorker(MeshWorker):
         used, faces = np.unique(boundary_faces(solid.tets), return_inverse=True)
         answer = self._exchange(Soup(solid.vertices[used], faces.reshape(-1, 3)))
         vertices, tets = answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 4)
+        # fTetWild orders the corners of a tet the other way round.
         turned = tet_volumes(vertices, tets) < 0
         tets[turned] = tets[turned][:, [0, 2, 1, 3]]
         used, compact = np.unique(tets, return_inverse=True)

@@ -3,7 +3,9 @@
 Run as `python -m tetgan.studies.elasticity.remesh_worker OPTIONS_JSON`; surfaces come on stdin, tets go.
 """
 
+import contextlib
 import sys
+import tempfile
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -18,15 +20,16 @@ def tetrahedralise(
     """Tets that fill a surface, by fTetWild on one core: the same each time."""
     import pytetwild  # noqa: PLC0415
 
-    points, tets = pytetwild.tetrahedralize(
-        vertices,
-        faces.astype(np.int32),
-        edge_length_fac=options.edge,
-        epsilon=options.envelope,
-        num_threads=1,
-        quiet=True,
-    )
-    return points, tets
+    # It leaves a file of its own where it runs.
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        return pytetwild.tetrahedralize(
+            vertices,
+            faces.astype(np.int32),
+            edge_length_fac=options.edge,
+            epsilon=options.envelope,
+            num_threads=1,
+            quiet=True,
+        )
 
 
 def main() -> None:

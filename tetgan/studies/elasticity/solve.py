@@ -11,8 +11,8 @@ from scipy.sparse.linalg import cg, splu
 
 from tetgan.studies.elasticity.errors import UnfitError
 
-DIRECT_BELOW = 6000
-"""Unknowns from which multigrid is quicker than a factorisation."""
+DIRECT_BELOW = 30_000
+"""Unknowns from which multigrid takes over: thin shapes factorise well, and need many iterations."""
 
 TOLERANCE = 1e-8
 """Residual over load at which the iteration ends."""
