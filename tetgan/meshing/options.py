@@ -6,7 +6,6 @@ from pydantic import Field
 
 from tetgan.options import Options
 
-
 Mode = Literal["solid", "paper"]
 
 
