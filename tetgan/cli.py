@@ -272,7 +272,7 @@ def sample(
     index: Annotated[Path, typer.Argument(help="Index of the fields, points or voxels it was trained on.")],
     folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
     count: Annotated[int, typer.Option(min=1, help="Shapes to generate.")] = 16,
-    mode: Annotated[str, typer.Option(help="How solids are built.")] = "paper",
+    mode: Annotated[str, typer.Option(help="How solids are built: 'solid' or 'paper'.")] = "solid",
     options: OptionsText = "{}",
     seed: Seed = 0,
     threads: Threads = 1,

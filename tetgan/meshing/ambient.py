@@ -106,7 +106,9 @@ def ambient_space(grid: TetGrid) -> Ambient:
 def _prism_tets(inner: Int[np.ndarray, "F 3"], outer: Int[np.ndarray, "F 3"]) -> Int[np.ndarray, "C 4"]:
     """Three positive tets between each face, seen from outside, and its copy outside it."""
     order = np.argsort(inner, axis=1)
-    corners = np.take_along_axis(np.concatenate([inner, outer], axis=1), np.hstack([order, order + 3]), axis=1)
+    corners = np.take_along_axis(
+        np.concatenate([inner, outer], axis=1), np.hstack([order, order + 3]), axis=1
+    )
     tets = corners[:, _PRISM]
     mirrored = np.linalg.det(np.eye(3)[order]) < 0
     tets[mirrored] = tets[mirrored][..., [0, 1, 3, 2]]

@@ -39,7 +39,10 @@ class Around:
     """
 
     def __init__(
-        self, members: Int[np.ndarray, "T C"], neighbors: Int[np.ndarray, "T 4"], faces: Int[np.ndarray, "C S"]
+        self,
+        members: Int[np.ndarray, "T C"],
+        neighbors: Int[np.ndarray, "T 4"],
+        faces: Int[np.ndarray, "C S"],
     ) -> None:
         """Args:
         members: the simplices of each tet.
@@ -60,7 +63,10 @@ class Around:
         return self._order[self._start[simplices][place] + offset], place
 
     def pieces(
-        self, simplices: Int[np.ndarray, "N"], occupied: Bool[np.ndarray, "M"] | None, occupancy: Bool[np.ndarray, "T"]
+        self,
+        simplices: Int[np.ndarray, "N"],
+        occupied: Bool[np.ndarray, "M"] | None,
+        occupancy: Bool[np.ndarray, "T"],
     ) -> Pieces:
         """Around each simplex, its tets sorted into pieces.
 

@@ -65,8 +65,6 @@ def _label_by_vertices(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.n
     return _labels(*ends, len(ambient.vertices))[corners[:, 0]]
 
 
-def _labels(
-    ends: Int[np.ndarray, "E"], others: Int[np.ndarray, "E"], count: int
-) -> Int[np.ndarray, "N"]:
+def _labels(ends: Int[np.ndarray, "E"], others: Int[np.ndarray, "E"], count: int) -> Int[np.ndarray, "N"]:
     links = sparse.coo_array((np.ones(len(ends), dtype=bool), (ends, others)), shape=(count, count))
     return connected_components(links, directed=False)[1].astype(np.int64)

@@ -17,13 +17,17 @@ class MeshingOptions(Options):
         0.5, ge=0, le=1, description="share of its own position a smoothed vertex keeps (Eq. 4)"
     )
     mode: Literal["solid", "paper"] = Field(
-        "solid", description="'solid' makes every mesh valid; 'paper' leaves it as the paper's recipe makes it"
+        "solid",
+        description="'solid' makes every mesh valid; 'paper' leaves it as the paper's recipe makes it",
     )
     min_dihedral: float = Field(
-        15.0, ge=0, le=30, description="least dihedral angle of a solid's tets, in degrees; the lattice has 30"
+        15.0,
+        ge=0,
+        le=30,
+        description="least dihedral angle of a solid's tets, in degrees; the lattice has 30",
     )
     min_component: float = Field(
-        0.01, ge=0, le=1, description="floating pieces of a solid below this share of its volume are dropped"
+        0.002, ge=0, le=1, description="floating pieces of a solid below this share of its volume are dropped"
     )
     rounds: int = Field(
         6, ge=1, description="times that a solid's boundary is moved towards where the field wants it"
