@@ -18,7 +18,7 @@ from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.quality import quality_record
+from tetgan.meshing.records import quality_record
 
 _SAMPLE = 200  # tets on which brute force is tried, to be scaled up to all
 

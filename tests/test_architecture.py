@@ -24,7 +24,11 @@ ROOMS = [
     "config",
     "cli",
 ]
-MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.stem != "__init__")
+MODULES = sorted(
+    path
+    for path in PACKAGE.rglob("*.py")
+    if path.parent != PACKAGE or path.stem not in ("__init__", "__main__")
+)
 
 
 def imported_names(path: Path) -> set[str]:

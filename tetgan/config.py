@@ -16,7 +16,7 @@ from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.fields.options import PointOptions, Sampling, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
-from tetgan.meshing.options import MeshingOptions
+from tetgan.meshing.options import MeshingOptions, Mode
 from tetgan.models.like import allow_like, resolve_like
 from tetgan.models.options import (
     DeftetOptions,
@@ -37,10 +37,13 @@ from tetgan.training.kinds import training_options
 from tetgan.training.options import TrainingOptions
 
 TABLES = {
-    *("fid", "variety", "reconstruction", "manifold", "dataset", "runtime"),
+    *("fid", "variety", "reconstruction", "manifold", "quality", "dataset", "runtime"),
     *("ablation", "resolution", "smoothing"),
 }
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
+
+ONE_MODE = ("pca", "deftet")
+"""Kinds of model on a grid that are yardsticks for their fields: meshed in the first mode only."""
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
@@ -111,6 +114,12 @@ class Config(Options):
     )
     sampling: SamplingOptions = Field(SamplingOptions(), description="shapes drawn from each model")
     meshing: MeshingOptions = Field(MeshingOptions(), description="from a field to a mesh")
+    modes: list[Mode] = Field(
+        ["paper", "solid"],
+        min_length=1,
+        description="how samples of TetGANs and of ground-truth fields are meshed, a row of the tables each; "
+        "all other models and the ablations are meshed in the first mode",
+    )
     extractor: ExtractorOptions = Field(
         ExtractorOptions(), description="the PointNet++ classifier behind FID and KID"
     )
@@ -200,6 +209,17 @@ class Config(Options):
             return MeshingOptions.parse(self.meshing.model_dump() | own, "meshing")
         except UserError as error:
             raise ValueError(f"models.{model}.{error}") from None
+
+    def modes_of(self, model: str) -> list[Mode]:
+        """Modes in which a model's samples are meshed; where it gives no fields, there is only a name."""
+        options = self.models[model]
+        several = hasattr(options, "grid") and options.kind not in ONE_MODE
+        return self.modes if several else self.modes[:1]
+
+    def shown_mode(self, model: str) -> Mode:
+        """The mode of figures: that of `meshing`, where the model is meshed so."""
+        modes = self.modes_of(model)
+        return self.meshing.mode if self.meshing.mode in modes else modes[0]
 
     def trained_as(self, model: str) -> str:
         """The first model that is trained in the same way: those that only mesh differently share weights."""

@@ -75,6 +75,17 @@ def test_rows_stand_in_the_order_of_the_paper_then_the_bounds(tmp_path):
     ]
 
 
+def test_modes_are_rows_of_their_own_and_surfaces_have_none(tmp_path):
+    modes = [report("tetgan-LR") | {"mode": mode} for mode in ("solid", "paper")]
+    table, text = make_table(tmp_path, [*modes, report("occnet", tets=None)])
+    assert list(table["model"] + " " + table["mode"] + " " + table["smoothing"]) == [
+        *("tetgan-LR paper none", "tetgan-LR paper wls", "tetgan-LR solid none", "tetgan-LR solid wls"),
+        *("occnet  none", "occnet  wls"),
+    ]
+    for name in ("tetgan-LR, no wLS", "tetgan-LR, solid, no wLS", "tetgan-LR, solid, wLS"):
+        assert f"| {name} " in text
+
+
 def test_columns_are_identity_then_five_a_metric(tmp_path):
     table, _ = make_table(tmp_path, [report("tetgan-LR")])
     assert tuple(table.columns[: len(IDENTITY)]) == IDENTITY

@@ -14,6 +14,11 @@ def grid():
 
 
 @pytest.fixture(scope="session")
+def fine_grid():
+    return build_hierarchy(2, 2).finest
+
+
+@pytest.fixture(scope="session")
 def operator(grid):
     return vertex_operator(grid)
 

@@ -11,7 +11,7 @@ from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.quality import quality_record
+from tetgan.meshing.records import quality_record
 
 CELLS = 2
 PAPER = MeshingOptions(mode="paper")

@@ -10,7 +10,7 @@ import trimesh
 from tetgan.errors import UserError
 from tetgan.meshing.export import write_surface
 from tetgan.meshing.marching import voxel_surface
-from tetgan.meshing.quality import surface_record
+from tetgan.meshing.records import surface_record
 from tetgan.meshing.simplify import simplify_samples
 from tetgan.shapes.isolation import SimplifyWorker
 from tetgan.shapes.options import SimplifyOptions

@@ -12,7 +12,7 @@ from tetgan.grids.adjacency import boundary_faces
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.quality import quality_record
+from tetgan.meshing.records import quality_record
 from tetgan.studies.smoothers import SMOOTHERS, VARIANTS, Variant, build_variants
 from tetgan.studies.smoothing_rows import enclosed_volume
 

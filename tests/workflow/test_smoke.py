@@ -32,20 +32,26 @@ def test_the_smoke_run_ends_with_a_whole_table(smoked):
     sets = ["mmd", "cov", "nna", "jsd", "novelty", "fid_infinity", "precision", "recall", "volume_iou"]
     assert real[sets].notna().all(axis=None)
     paper = table[(table["model"] == "tetgan-HR") & (table["smoothing"] == "none")]
-    assert paper["fid_paper"].item() == pytest.approx(1.35)
+    assert list(paper["mode"]) == ["paper", "solid"]
+    assert list(paper["fid_paper"]) == pytest.approx([1.35, 1.35])
+    assert (table.loc[table["mode"] == "solid", ["inverted_tets", "valid"]] == (0, 1)).all(axis=None)
     assert (project.folder / TARGETS[0]).with_suffix(".md").read_text().count("|") > 50
 
 
 def test_the_gathered_tables_hold_what_the_run_measured(smoked):
     project, _, _ = smoked
-    names = ("fid", "variety", "reconstruction", "manifold", "dataset", "runtime")
+    names = ("fid", "variety", "reconstruction", "manifold", "quality", "dataset", "runtime")
     folder = project.folder / "results/smoke/tables"
     tables = {name: pd.read_csv(folder / f"{name}.csv") for name in names}
     assert tables["fid"]["sofa"].isna().all()  # the smoke run has chairs alone
-    assert tables["fid"].set_index("model").loc["tetgan-LR", "sofa_paper"].tolist() == [3.35, 3.35]
+    assert tables["fid"].set_index("model").loc["tetgan-LR", "sofa_paper"].tolist() == [3.35] * 4
     shown = tables["manifold"][tables["manifold"]["shapes"] != "reconstructed"]
     assert {"generated", "ground truth", "repaired"} == set(shown["shapes"])
     assert shown[["manifold_edges", "boundary_edges", "nonmanifold_edges"]].sum(axis=1).round(9).eq(1).all()
+    solid = tables["quality"][tables["quality"]["mode"] == "solid"]
+    assert set(solid["model"]) == {"tetgan-LR", "tetgan-HR", "representation-LR", "representation-HR"}
+    faults = ["inverted_tets", "nonmanifold_edges", "nonmanifold_vertices", "self_intersections"]
+    assert (solid["valid"].eq(1) & solid[faults].eq(0).all(axis=1) & solid["min_dihedral"].ge(15)).all()
     chair = tables["dataset"].set_index("category").loc["chair"]
     assert (chair["listed"], chair["holdout"], chair["listed_paper"]) == (36, 24, 6778)
     runtime = tables["runtime"]
@@ -88,13 +94,13 @@ def test_a_deleted_output_reruns_only_what_depends_on_it(smoked):
     (project.folder / shard).unlink()
     rerun = planned(project.smoke("-n", *TARGETS, shard))
     (project.folder / shard).write_bytes(content)
-    on_lr = 5  # TetGAN, the representation and three PCAs
+    on_lr, in_two_modes = 5, 2  # TetGAN, the representation and three PCAs
     assert rerun == {
         "extract_fields": 1,
         "index_fields": 1,
         "train_model": on_lr,
-        "sample_model": on_lr,
-        "evaluate_model": on_lr,
+        "sample_model": on_lr + in_two_modes,
+        "evaluate_model": on_lr + in_two_modes,
         "make_table": 1,
         "draw_samples": 1,
     }

@@ -29,9 +29,10 @@ def markdown_table(columns: Mapping[str, Any]) -> str:
 
 
 def row_name(row: pd.Series) -> str:
-    """The model, and whether it was smoothed."""
+    """The model, whether it was made a valid solid, and whether it was smoothed."""
+    mode = ", solid" if row["mode"] == "solid" else ""
     smoothing = {"wls": ", wLS", "none": ", no wLS"}.get(row["smoothing"], "")
-    return f"{row['model']}{smoothing}"
+    return f"{row['model']}{mode}{smoothing}"
 
 
 def cell(row: pd.Series, metric: str) -> str:

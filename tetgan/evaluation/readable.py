@@ -30,7 +30,11 @@ _OURS = {
         "jsd": "JSD ↓",
         "novelty": "Novelty",
     },
-    "Meshes": {"manifold_edges": "Manifold edges ↑", "inverted_tets": "Inverted tets ↓"},
+    "Meshes": {
+        "manifold_edges": "Manifold edges ↑",
+        "inverted_tets": "Inverted tets ↓",
+        "valid": "Valid solids ↑",
+    },
 }
 TITLES = _PAPERS | {metric: title for group in _OURS.values() for metric, title in group.items()}
 """Heading of every metric; the arrow points to the better side."""
@@ -156,7 +160,8 @@ def _warnings(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     rows: dict[str, list[str]] = {}
     for report in reports:
         for smoothing, section in report["smoothings"].items():
-            name = report["model"] if report["model"] == "real" else f"{report['model']} ({smoothing})"
+            made = f"{'solid, ' * (report.get('mode') == 'solid')}{smoothing}"
+            name = report["model"] if report["model"] == "real" else f"{report['model']} ({made})"
             missing = section["generated"]["expected"] - section["generated"]["found"]
             lost = [f"Generated shapes without a surface, left out: {missing}"] if missing else []
             for note in [*section["notes"], *lost]:

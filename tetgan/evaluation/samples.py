@@ -13,7 +13,7 @@ from tetgan.evaluation.surfaces import Surface, read_surface
 
 KINDS = ("generated", "reconstructed")
 
-SOLID_METRICS = ("volume", "thickness", "components", "floating")
+SOLID_METRICS = ("volume", "thickness", "components", "floating", "valid")
 """Columns of the certificate whose means over the shapes that are not empty are metrics of the same name."""
 
 

@@ -22,6 +22,7 @@ METRICS = (
     "kid",
     "manifold_edges",
     "inverted_tets",
+    "valid",
     "iou",
     "chamfer_l1",
     "fscore",
@@ -154,6 +155,8 @@ def identity_cells(members: Sequence[Mapping[str, Any]], smoothing: str) -> dict
     sections = [member["smoothings"][smoothing] for member in members]
     real = first["model"] == "real"
     row = {name: first.get(name) for name in ("model", "grid", "tets", "mode", "reduced")}
+    if not row["tets"]:
+        row["mode"] = None  # a surface without tets is not meshed in any
     return row | {
         "smoothing": smoothing if len(first["smoothings"]) > 1 else None,  # no choice, nothing to tell
         "simplified": None if real else bool(first.get("simplified", False)),

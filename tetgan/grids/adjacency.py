@@ -17,7 +17,7 @@ def face_neighbors(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "T 4"]:
     Raises:
         ValueError: a face belongs to more than two tets.
     """
-    keys = _keys(tets[:, FACES].reshape(-1, 3))
+    keys = face_keys(tets[:, FACES].reshape(-1, 3))
     order = np.argsort(keys, kind="stable")
     keys = keys[order]
     if np.any(keys[2:] == keys[:-2]):
@@ -57,7 +57,7 @@ def unique_edges(
     return edges, inverse.reshape(len(simplices), len(sides))
 
 
-def _keys(faces: Int[np.ndarray, "F 3"]) -> Int[np.ndarray, "F"]:
+def face_keys(faces: Int[np.ndarray, "F 3"]) -> Int[np.ndarray, "F"]:
     """One integer a face, the same for every order of its corners."""
     base = int(faces.max(initial=0)) + 1
     if base**3 > np.iinfo(np.int64).max:

@@ -1,6 +1,7 @@
 """Meshes in the formats that other programs read."""
 
 from pathlib import Path
+from typing import Any, Literal
 
 import meshio
 import numpy as np
@@ -11,12 +12,32 @@ from tetgan.files import whole_file
 from tetgan.meshing.solid import SolidMesh
 from tetgan.shapes.soup import Soup
 
+SURFACES = (".ply", ".obj", ".stl", ".off", ".glb")
+"""Formats of `write_surface`."""
+
+SOLIDS = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz")
+"""Formats of `write_tets` that are tested with other programs; it writes what else meshio does."""
+
+MshVersion = Literal["2.2", "4.1"]
+
+
+def write_mesh(path: str | Path, mesh: SolidMesh, *, msh_version: MshVersion = "2.2") -> None:
+    """Write the solid, or its boundary where the suffix is that of a surface.
+
+    Raises:
+        UserError: no format has that suffix.
+    """
+    if Path(path).suffix in SURFACES:
+        write_surface(path, mesh)
+    else:
+        write_tets(path, mesh, msh_version=msh_version)
+
 
 def write_surface(path: str | Path, mesh: SolidMesh | Soup) -> None:
     """Write a surface, or the boundary of a solid, as triangles.
 
     The format is that of the suffix: `.ply`, `.obj`, `.stl`, `.off`, `.glb`; the
-    coordinates of `.ply` and `.stl` have single precision.
+    coordinates of `.ply`, `.stl` and `.glb` have single precision.
 
     Raises:
         UserError: trimesh cannot write that suffix.
@@ -30,25 +51,43 @@ def write_surface(path: str | Path, mesh: SolidMesh | Soup) -> None:
             raise _unknown_format(path, "'.ply', '.obj' or '.stl'") from None
 
 
-def write_tets(path: str | Path, mesh: SolidMesh) -> None:
-    """Write the solid, in the format of the suffix: `.msh` (Gmsh 2.2), `.vtu`, `.vtk`, `.mesh`, `.inp`, ….
+def write_tets(path: str | Path, mesh: SolidMesh, *, msh_version: MshVersion = "2.2") -> None:
+    """Write the solid, in the format of the suffix: one of `SOLIDS`, or another that meshio writes.
+
+    `.npz` holds `vertices`, `tets` and `faces` as they are in memory.
+
+    Args:
+        msh_version: of Gmsh's format; most solvers read 2.2.
 
     Raises:
         UserError: meshio cannot write that suffix.
     """
-    cells = meshio.Mesh(mesh.vertices, [("tetra", mesh.tets)])
-    file_format = None
-    if Path(path).suffix == ".msh":
-        # By default meshio writes Ansys files under this suffix. Gmsh's 2.2 is what most solvers read; it
-        # wants a group for each tet.
-        file_format = "gmsh22"
-        group = [np.ones(len(mesh.tets), dtype=np.int32)]
-        cells.cell_data = {"gmsh:physical": group, "gmsh:geometrical": group}
     with whole_file(path) as partial:
+        if Path(path).suffix == ".npz":
+            np.savez_compressed(partial, vertices=mesh.vertices, tets=mesh.tets, faces=mesh.faces)
+            return
+        cells, how = _for_meshio(Path(path).suffix, mesh, msh_version)
         try:
-            meshio.write(partial, cells, file_format=file_format)
+            meshio.write(partial, cells, **how)
         except (meshio.ReadError, meshio.WriteError):
             raise _unknown_format(path, "'.msh' or '.vtu'") from None
+
+
+def _for_meshio(suffix: str, mesh: SolidMesh, msh_version: MshVersion) -> tuple[meshio.Mesh, dict[str, Any]]:
+    """What to write, and how."""
+    cells = meshio.Mesh(mesh.vertices, [("tetra", mesh.tets)])
+    if suffix == ".xdmf":
+        return cells, {"data_format": "XML"}  # one file; by default the arrays go to a second one, in HDF5
+    if suffix != ".msh":
+        return cells, {}
+    # By default meshio writes Ansys files under this suffix. Gmsh wants a group for each tet.
+    group = [np.ones(len(mesh.tets), dtype=np.int32)]
+    cells.cell_data = {"gmsh:physical": group, "gmsh:geometrical": group}
+    if msh_version == "2.2":
+        return cells, {"file_format": "gmsh22"}
+    # Here every vertex belongs to an entity as well: the one volume.
+    cells.point_data = {"gmsh:dim_tags": np.tile(np.array([3, 1], dtype=np.int32), (len(mesh.vertices), 1))}
+    return cells, {"file_format": "gmsh"}
 
 
 def _unknown_format(path: str | Path, remedy: str) -> UserError:

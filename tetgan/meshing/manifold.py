@@ -68,9 +68,9 @@ def make_manifold(
 
     Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides. Of the
     changes that lower the sum of the defects, the cheapest for what they mend are made, as many at once as
-    have no vertex in common, until none is left; each round lowers the sum, so this ends. Where defects remain,
-    tets around them are emptied for good (`_tets_to_empty`), and it goes on: at worst until all are. At last
-    tets that need not have changed, seen from the end, change back.
+    have no vertex in common, until none is left; each round lowers the sum, so this ends. Where defects
+    remain, tets around them are emptied for good (`_tets_to_empty`), and it goes on: at worst until all are.
+    At last tets that need not have changed, seen from the end, change back.
 
     Args:
         occupancy: none of the collar.
@@ -103,7 +103,7 @@ def _defect(counts: Int[np.ndarray, "N 2"]) -> Int[np.ndarray, "N"]:
 def _possible_changes(
     occupied: Bool[np.ndarray, "T"], defect: Int[np.ndarray, "V"], ambient: Ambient
 ) -> _Changes:
-    """Each piece around the vertices at fault, and around the edges there that have four boundary faces or more."""
+    """Each piece around the vertices at fault, and around the edges there with four boundary faces."""
     vertices = np.flatnonzero(defect)
     at_vertices = ambient.around_vertices.pieces(vertices, None, occupied)
     own = np.unique(at_vertices.tets)

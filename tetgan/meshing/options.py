@@ -6,6 +6,8 @@ from pydantic import Field
 
 from tetgan.options import Options
 
+Mode = Literal["solid", "paper"]
+
 
 class MeshingOptions(Options):
     """The paper's mesh by its two numbers, or one that is valid by construction."""
@@ -16,7 +18,7 @@ class MeshingOptions(Options):
     beta: float = Field(
         0.5, ge=0, le=1, description="share of its own position a smoothed vertex keeps (Eq. 4)"
     )
-    mode: Literal["solid", "paper"] = Field(
+    mode: Mode = Field(
         "solid",
         description="'solid' makes every mesh valid; 'paper' leaves it as the paper's recipe makes it",
     )

@@ -1,56 +1,9 @@
-"""Figures that tell how fit a solid mesh is for use."""
+"""Figures that tell how well-shaped tets are."""
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
-from tetgan.grids.adjacency import EDGES, FACES, face_neighbors, unique_edges
-from tetgan.grids.grid import tet_volumes
-from tetgan.meshing.solid import SolidMesh
-from tetgan.meshing.thickness import median_thickness
-from tetgan.shapes.soup import Soup
-
-
-def quality_record(mesh: SolidMesh) -> dict[str, int | float]:
-    """One row of a certificate.
-
-    Returns:
-        `tets`, `faces`; `inverted_tets`, of no or negative volume; `min_dihedral` in degrees over all tets,
-        which does not see whether a tet is inverted; `volume`, signed, in cubed cube sides; `thickness` in
-        cube sides (`median_thickness`); `components` of tets joined by faces; `floating`, the share of tets
-        outside the largest of them; `manifold_edges`, the share of surface edges with exactly two faces.
-        All are 0 for an empty mesh.
-    """
-    volumes = tet_volumes(mesh.vertices, mesh.tets)
-    components = _component_sizes(mesh.tets)
-    return {
-        "tets": len(mesh.tets),
-        "faces": len(mesh.faces),
-        "inverted_tets": int((volumes <= 0).sum()),
-        "min_dihedral": float(dihedral_angles(mesh.vertices, mesh.tets).min()) if len(mesh.tets) else 0.0,
-        "volume": float(volumes.sum()),
-        "thickness": median_thickness(mesh.vertices, mesh.faces),
-        "components": len(components),
-        "floating": float(1 - components.max() / len(mesh.tets)) if len(mesh.tets) else 0.0,
-        "manifold_edges": _manifold_share(mesh.faces),
-    }
-
-
-def surface_record(surface: Soup) -> dict[str, int | float]:
-    """One row of the certificate of a surface without tets.
-
-    Returns:
-        `faces`; `volume` enclosed, in cubed cube sides; `components` of faces that share vertices;
-        `manifold_edges`, the share of edges with exactly two faces. All are 0 for an empty surface.
-    """
-    corners = surface.triangles - 0.5
-    return {
-        "faces": len(surface.faces),
-        "volume": float(np.linalg.det(corners).sum() / 6),
-        "components": _vertex_component_count(surface.faces),
-        "manifold_edges": _manifold_share(surface.faces),
-    }
+from tetgan.grids.adjacency import EDGES, FACES
 
 
 def dihedral_angles(
@@ -85,32 +38,3 @@ def radius_ratios(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4
     v = (one * crosses[0]).sum(axis=1)
     below = areas.sum(axis=1) * w
     return np.divide(6 * v**2, below, out=np.zeros_like(v), where=below > 0)
-
-
-def _component_sizes(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "N"]:
-    """Tets of each component."""
-    if len(tets) == 0:
-        return np.empty(0, dtype=np.int64)
-    neighbors = face_neighbors(tets)
-    rows, slots = np.nonzero(neighbors >= 0)
-    links = sparse.coo_array(
-        (np.ones(len(rows), dtype=bool), (rows, neighbors[rows, slots])), shape=(len(tets),) * 2
-    )
-    return np.bincount(connected_components(links, directed=False)[1])
-
-
-def _vertex_component_count(faces: Int[np.ndarray, "F 3"]) -> int:
-    used, compact = np.unique(faces, return_inverse=True)
-    if len(used) == 0:
-        return 0
-    a, b, c = compact.reshape(-1, 3).T
-    ends = np.concatenate([a, b]), np.concatenate([b, c])
-    links = sparse.coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(len(used),) * 2)
-    return int(connected_components(links, directed=False, return_labels=False))
-
-
-def _manifold_share(faces: Int[np.ndarray, "F 3"]) -> float:
-    if len(faces) == 0:
-        return 0.0
-    edges, edge_of_side = unique_edges(faces)
-    return float((np.bincount(edge_of_side.ravel(), minlength=len(edges)) == 2).mean())

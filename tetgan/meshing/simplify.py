@@ -14,7 +14,7 @@ from rich.progress import track
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.meshing.export import write_surface
-from tetgan.meshing.quality import surface_record
+from tetgan.meshing.records import surface_record
 from tetgan.shapes.isolation import SimplifyWorker
 from tetgan.shapes.options import SimplifyOptions
 from tetgan.shapes.soup import ShapeError, Soup

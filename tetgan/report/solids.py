@@ -11,6 +11,7 @@ from xml.etree.ElementTree import ParseError
 
 import meshio
 import numpy as np
+import pandas as pd
 from jaxtyping import Float, Int, UInt8
 
 from tetgan.errors import UserError
@@ -41,6 +42,16 @@ class SampleSet:
     smoothing: str
     paths: tuple[Path, ...]
 
+    @property
+    def validity(self) -> str:
+        """How many of all solids that it generated are valid, by their certificate; empty without one."""
+        try:
+            certificate = pd.read_csv(self.paths[0].parent.parent / "certificate.csv", dtype={"set": str})
+            made = certificate[(certificate["set"] == "generated") & (certificate["tets"] > 0)]
+            return f"{int(made['valid'].sum())} of {len(made)} valid"
+        except (OSError, ValueError, KeyError):
+            return ""
+
 
 def find_sample_sets(samples: Path, models: Sequence[str], count: int) -> list[SampleSet]:
     """The first `count` solids of each category, model and mode: not the best ones.
@@ -62,7 +73,8 @@ def find_sample_sets(samples: Path, models: Sequence[str], count: int) -> list[S
         if not any(name == model for _, model, _ in lowest):
             raise UserError(f"{samples}: no solids (.vtu) of model '{name}' to show; sample it first")
     shown = [one for one in lowest.values() if one.model in names]
-    return sorted(shown, key=lambda one: (one.category, names.index(one.model), one.mode))
+    # Valid solids first: they are what the page is opened for.
+    return sorted(shown, key=lambda one: (one.category, names.index(one.model), one.mode != "solid"))
 
 
 def _sample_set(mode: Path, count: int) -> SampleSet | None:
@@ -100,6 +112,7 @@ def pack_sets(sets: Sequence[SampleSet], budget: int = BUDGET) -> list[dict[str,
             "seed": one.seed,
             "mode": one.mode,
             "smoothing": one.smoothing,
+            "validity": one.validity,
             "solids": solids,
         }
         for one, solids in zip(sets, packed, strict=True)

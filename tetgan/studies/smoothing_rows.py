@@ -14,7 +14,8 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.seeds import named_seed
 from tetgan.evaluation.surfaces import Surface, draw_sample
 from tetgan.grids.grid import tet_volumes
-from tetgan.meshing.quality import quality_record
+from tetgan.meshing.boundary import Boundary
+from tetgan.meshing.orientation import orientations
 from tetgan.meshing.solid import SolidMesh
 from tetgan.studies.options import SmoothingOptions
 from tetgan.studies.sharpness import Bends, measure_bends
@@ -87,12 +88,12 @@ def enclosed_volume(surface: Surface) -> float:
 
 
 def _solid_figures(solid: SolidMesh, unsmoothed: SolidMesh, volume: float) -> dict[str, float]:
-    quality = quality_record(solid)
+    own = tet_volumes(solid.vertices, solid.tets).sum()
     return {
-        "volume_ratio": quality["volume"] / tet_volumes(unsmoothed.vertices, unsmoothed.tets).sum(),
-        "volume_to_repaired": quality["volume"] / volume,
-        "manifold_edges": quality["manifold_edges"],
-        "inverted_tets": quality["inverted_tets"] / quality["tets"],
+        "volume_ratio": own / tet_volumes(unsmoothed.vertices, unsmoothed.tets).sum(),
+        "volume_to_repaired": own / volume,
+        "manifold_edges": Boundary(solid.faces).manifold_edges,
+        "inverted_tets": float((orientations(solid.vertices, solid.tets) <= 0).mean()),
     }
 
 

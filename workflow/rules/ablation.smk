@@ -18,7 +18,7 @@ rule gather_ablation:
             category=config["categories"][:1],
             model=config["ablation"],
             seed=config["seeds"],
-            mode="paper",
+            mode=config["modes"][0],
         ),
         real=expand(REAL_METRICS, category=config["categories"][:1]),
         paper=workflow.source_path("../resources/paper_tables.csv"),
@@ -51,7 +51,7 @@ rule draw_ablations:
             "<results>/samples/{{category}}/{model}/{seed}/{mode}",
             model=config["ablation"],
             seed=config["seeds"][:1],
-            mode="paper",
+            mode=config["modes"][0],
         ),
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
     output:

@@ -35,6 +35,20 @@ SAMPLING_MODULES = [
 ]
 
 
+def each_mode(pattern, models, modes=None, seeds=config["seeds"]):
+    """Paths of each model in each of its modes, or in those that `modes` gives for it."""
+    return [
+        path
+        for model in models
+        for path in expand(
+            pattern,
+            model=model,
+            seed=seeds,
+            mode=modes(model) if modes else SETTINGS.modes_of(model),
+        )
+    ]
+
+
 def one_of(names):
     """Constraint of a wildcard; with no names nothing matches."""
     return "|".join(names) or "(?!)"

@@ -5,11 +5,8 @@ model, seed and mode; one table a category, as CSV and as Markdown.
 """
 
 # Behind the rows of a category's table, which stays a wildcard.
-MODEL_METRICS = expand(
-    "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json",
-    model=SETTINGS.table_models,
-    seed=config["seeds"],
-    mode="paper",
+MODEL_METRICS = each_mode(
+    "<results>/metrics/{{category}}/{model}/{seed}/{mode}.json", SETTINGS.table_models
 )
 REAL_METRICS = "<results>/metrics/{category}/real.json"
 

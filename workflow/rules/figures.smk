@@ -4,14 +4,18 @@ Inputs: folders of samples, trained models, the fields and repaired meshes. Outp
 the interpolated and summed meshes under <results>/latent, the nearest training shapes under <results>/nearest.
 """
 
-# Shapes of the models that a few figures show, and of those of the table.
-SHOWN_SAMPLES, TABLE_SAMPLES = (
-    expand(
-        "<results>/samples/{{category}}/{model}/{seed}/paper",
-        model=models,
-        seed=config["seeds"][:1],
-    )
-    for models in (FIGURE_MODELS, SETTINGS.table_models)
+# Shapes of the models that a few figures show, as solids; and of those of the table, all in the first mode.
+SHOWN_SAMPLES = each_mode(
+    "<results>/samples/{{category}}/{model}/{seed}/{mode}",
+    FIGURE_MODELS,
+    modes=SETTINGS.shown_mode,
+    seeds=config["seeds"][:1],
+)
+TABLE_SAMPLES = expand(
+    "<results>/samples/{{category}}/{model}/{seed}/{mode}",
+    model=SETTINGS.table_models,
+    seed=config["seeds"][:1],
+    mode=config["modes"][0],
 )
 FIGURES = expand(
     "<results>/figures/{category}/{figure}.png",
@@ -258,11 +262,11 @@ rule draw_arithmetic:
 rule draw_nearest:
     input:
         samples=SHOWN_SAMPLES,
-        tables=expand(
+        tables=each_mode(
             "<results>/nearest/{{category}}/{model}/{seed}/{mode}.csv",
-            model=FIGURE_MODELS,
-            seed=config["seeds"][:1],
-            mode="paper",
+            FIGURE_MODELS,
+            modes=SETTINGS.shown_mode,
+            seeds=config["seeds"][:1],
         ),
         real="<results>/nearest/{category}/real.csv",
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),

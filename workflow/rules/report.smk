@@ -9,10 +9,12 @@ rule report_page:
     input:
         rules.all.input,
         samples=expand(
-            "<results>/samples/{category}/{model}/{seed}/paper",
+            each_mode(
+                "<results>/samples/{{category}}/{model}/{seed}/{mode}",
+                SHOWN_MODELS,
+                seeds=config["seeds"][:1],
+            ),
             category=config["categories"],
-            model=SHOWN_MODELS,
-            seed=config["seeds"][:1],
         ),
         captions=sorted(CAPTIONS.glob("*.rst")),
     output:

@@ -1,10 +1,22 @@
-"""Tables across categories, gathered from what other stages measured: the supplement's three, manifold edges, data
-set, time and memory.
+"""Tables across categories, gathered from what other stages measured: the supplement's three, manifold edges, quality
+of the solids, data set, time and memory.
 
-Inputs: metrics of every model and of the real shapes, catalogues, and the benchmark files that are there.
+Inputs: metrics of every model and of the real shapes, samples with their certificates, catalogues, and the
+benchmark files that are there.
 Outputs: one table each, as CSV and as Markdown.
 """
 
+SOLID_SAMPLES = expand(
+    each_mode(
+        "<results>/samples/{{category}}/{model}/{seed}/{mode}",
+        [
+            model
+            for model in SETTINGS.table_models
+            if hasattr(SETTINGS.models[model], "grid")
+        ],
+    ),
+    category=config["categories"],
+)
 ALL_METRICS = expand(
     [*MODEL_METRICS, REAL_METRICS],
     category=config["categories"],
@@ -12,7 +24,10 @@ ALL_METRICS = expand(
 
 PAPER_TARGETS += expand(
     "<results>/tables/{name}.csv",
-    name=["fid", "variety", "reconstruction", "manifold", "dataset", "runtime"],
+    name=[
+        *("fid", "variety", "reconstruction", "manifold", "quality"),
+        *("dataset", "runtime"),
+    ],
 )
 
 
@@ -65,6 +80,30 @@ rule gather_manifold:
         code=stage_digest("evaluation"),
     shell:
         "tetgan manifold {input.metrics:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
+
+
+rule gather_quality:
+    input:
+        samples=SOLID_SAMPLES,
+        paper=workflow.source_path("../resources/paper_tables.csv"),
+    output:
+        table=report(
+            "<results>/tables/quality.csv",
+            caption="../report/quality.rst",
+            category="Tables",
+            labels={"table": "quality"},
+        ),
+        readable="<results>/tables/quality.md",
+    log:
+        "<logs>/gather_quality.log",
+    conda:
+        "../envs/tetgan.yaml"
+    resources:
+        mem_mb=500,
+    params:
+        code=stage_digest("evaluation"),
+    shell:
+        "tetgan quality {input.samples:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
 
 
 rule gather_dataset:

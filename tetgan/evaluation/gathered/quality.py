@@ -1,0 +1,242 @@
+"""Stage: how many meshes are valid solids, and what that takes, both modes side by side."""
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tetgan.errors import UserError
+from tetgan.evaluation.markdown import markdown_table, page, plain, round_value, row_name, write_twins
+from tetgan.evaluation.paper import read_paper, stated
+from tetgan.evaluation.samples import KINDS, SampleFolder
+
+IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
+SUMS = ("inverted_tets", "nonmanifold_edges", "nonmanifold_vertices", "self_intersections", "cavities")
+FIGURES = (
+    "valid",
+    "inverted_tets",
+    "inverted_share",
+    "min_dihedral",
+    "p1_dihedral",
+    "manifold_edges",
+    "manifold_edges_paper",
+    "nonmanifold_edges",
+    "nonmanifold_vertices",
+    "self_intersections",
+    "components",
+    "cavities",
+    "dropped_components",
+    "changed_median",
+    "changed_p95",
+    "volume_ratio",
+)
+
+_COUNTS = ("tets", "seeds", "n", "empty", *SUMS, "dropped_components")
+_NEEDED = {"id", "set", "valid", "p1_dihedral", "changed", "dropped_components", *SUMS}
+_TITLES = {
+    "valid": "Valid ↑",
+    "inverted_tets": "Inverted tets ↓",
+    "min_dihedral": "Least angle ↑",
+    "p1_dihedral": "1 % of angles ↑",
+    "manifold_edges": "Manifold edges ↑",
+    "nonmanifold_edges": "Edges amiss ↓",
+    "nonmanifold_vertices": "Vertices amiss ↓",
+    "self_intersections": "Self-intersections ↓",
+    "components": "Components",
+    "dropped_components": "Dropped",
+    "changed_median": "Changed, median",
+    "changed_p95": "Changed, 95 %",
+    "volume_ratio": "Volume to paper",
+}
+_SHARES = {"valid", "manifold_edges", "changed_median", "changed_p95"}
+_NOTES = [
+    "Valid: no inverted tet, every boundary edge with two faces, every boundary vertex with one fan of them, "
+    "no self-intersection of the boundary (libigl), no part within another; docs/certificate.md.",
+    "Mode `paper` leaves the mesh as the paper's recipe makes it, `solid` makes it valid; the fields are the "
+    "same. Training and validation shapes are ground-truth fields.",
+    "Inverted tets, edges and vertices amiss, self-intersections and dropped pieces are sums over meshes. "
+    "Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their tets fall "
+    "short of. Components are means. Empty meshes are left out.",
+    "Changed: tets added or removed to make the boundary manifold, as a share of those there were. Volume to "
+    "paper: median over meshes of the volume beside that of mode `paper`.",
+    "The paper states manifold edges of its ground-truth chairs and of generated ones (in parentheses), and "
+    "names neither grid nor smoothing.",
+]
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """A folder that `tetgan sample` wrote, by its place `{category}/{model}/{seed}/{mode}`."""
+
+    folder: Path
+
+    @property
+    def place(self) -> tuple[str, str, str, str]:
+        category, model, seed, mode = self.folder.parts[-4:]
+        return category, model, seed, mode
+
+    @cached_property
+    def tets(self) -> int:
+        """Of the grid; 0 for models without one."""
+        about = self.folder / "about.json"
+        return int(json.loads(about.read_text()).get("tets") or 0) if about.is_file() else 0
+
+    @cached_property
+    def certificates(self) -> dict[str, pd.DataFrame]:
+        """Those of meshes with and without smoothing.
+
+        Raises:
+            UserError: there are none, or they lack columns.
+        """
+        found = {}
+        for path in sorted(self.folder.glob("*/certificate.csv")):
+            certificate = SampleFolder(path.parent).certificate
+            if certificate is None or not _NEEDED.issubset(certificate.columns):
+                raise UserError(f"{path}: no certificate of solids; sample the model again")
+            found[path.parent.name] = certificate
+        if not found:
+            raise UserError(f"{self.folder}: no samples; expected a folder 'none' or 'wls' in it")
+        return found
+
+
+def write_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
+    """Write the table as CSV, and as Markdown beside it.
+
+    Args:
+        samples: folders `…/{category}/{model}/{seed}/{mode}` of models on a grid.
+        paper: published figures (`tetgan.evaluation.paper`).
+        out: `.csv` to write.
+
+    Raises:
+        UserError: no samples, or a folder that is none of samples.
+    """
+    if not samples:
+        raise UserError(f"{out}: no samples to make a table of")
+    for folder in samples:
+        if len(folder.parts) < 4 or not folder.parts[-2].isdigit():
+            raise UserError(f"{folder}: no folder {{category}}/{{model}}/{{seed}}/{{mode}} of samples")
+    table = build_quality([_Samples(folder) for folder in samples], read_paper(paper))
+    write_twins(table, _render(table), out)
+
+
+def build_quality(samples: Sequence[_Samples], paper: pd.DataFrame) -> pd.DataFrame:
+    """A row a category, model, mode, smoothing and kind of shapes: `IDENTITY`, then `FIGURES`."""
+    rows = [
+        _row(members, smoothing, kind, samples, paper)
+        for members in _of_one_row(samples)
+        for smoothing in members[0].certificates
+        for kind in KINDS
+        if any((member.certificates[smoothing]["set"] == kind).any() for member in members)
+    ]
+    return pd.DataFrame(rows, columns=[*IDENTITY, *FIGURES]).astype(dict.fromkeys(_COUNTS, "Int64"))
+
+
+def _of_one_row(samples: Sequence[_Samples]) -> Iterator[list[_Samples]]:
+    """The seeds of each category, model and mode, in the order in which they come."""
+    groups: dict[tuple[str, str, str], list[_Samples]] = {}
+    for one in samples:
+        category, model, _, mode = one.place
+        groups.setdefault((category, model, mode), []).append(one)
+    yield from groups.values()
+
+
+def _row(
+    members: Sequence[_Samples], smoothing: str, kind: str, samples: Sequence[_Samples], paper: pd.DataFrame
+) -> dict[str, Any]:
+    category, model, _, mode = members[0].place
+    found = [_meshes(member, smoothing, kind) for member in members]
+    meshes = pd.concat(found)
+    solids = meshes[meshes["tets"] > 0]
+    shapes = _shapes(model, kind)
+    known = {"training": "ground truth", "generated": "generated"}  # as the paper calls them
+    own = model.startswith(("tetgan", "representation")) and shapes in known
+    return {
+        "category": category,
+        "model": model,
+        "tets": members[0].tets or None,
+        "mode": mode,
+        "smoothing": smoothing,
+        "shapes": shapes,
+        "seeds": len(members),
+        "n": len(solids),
+        "empty": len(meshes) - len(solids),
+        "manifold_edges_paper": stated(paper, category, known[shapes], "manifold_edges") if own else None,
+        **(_figures(solids, mode) if len(solids) else {}),
+        "volume_ratio": _volume_ratio(members, samples, smoothing, kind),
+    }
+
+
+def _meshes(member: _Samples, smoothing: str, kind: str) -> pd.DataFrame:
+    certificate = member.certificates[smoothing]
+    return certificate[certificate["set"] == kind].set_index("id")
+
+
+def _shapes(model: str, kind: str) -> str:
+    """What the fields are: of a representation they are the ground truth of the two splits."""
+    if model.startswith("representation"):
+        return {"generated": "training", "reconstructed": "validation"}[kind]
+    return kind
+
+
+def _figures(solids: pd.DataFrame, mode: str) -> dict[str, Any]:
+    """Figures of meshes that have tets; what is done in mode `solid` alone is empty in the other."""
+    figures = {name: int(solids[name].sum()) for name in SUMS} | {
+        "valid": float(solids["valid"].astype(float).mean()),
+        "inverted_share": float(solids["inverted_tets"].sum() / solids["tets"].sum()),
+        "min_dihedral": float(solids["min_dihedral"].min()),
+        "p1_dihedral": float(solids["p1_dihedral"].mean()),
+        "manifold_edges": float(solids["manifold_edges"].mean()),
+        "components": float(solids["components"].mean()),
+    }
+    if mode != "solid":
+        return figures
+    return figures | {
+        "dropped_components": int(solids["dropped_components"].sum()),
+        "changed_median": float(solids["changed"].median()),
+        "changed_p95": float(solids["changed"].quantile(0.95)),
+    }
+
+
+def _volume_ratio(
+    members: Sequence[_Samples], samples: Sequence[_Samples], smoothing: str, kind: str
+) -> float | None:
+    """Median volume of solids over that of the same fields meshed as the paper does."""
+    by_place = {one.place: one for one in samples}
+    ratios = []
+    for member in members:
+        category, model, seed, mode = member.place
+        faithful = by_place.get((category, model, seed, "paper"))
+        if mode == "paper" or faithful is None or smoothing not in faithful.certificates:
+            continue
+        own, theirs = (_meshes(one, smoothing, kind) for one in (member, faithful))
+        volumes = own.loc[own["tets"] > 0, "volume"], theirs.loc[theirs["volume"] > 0, "volume"]
+        ratios += volumes[0].div(volumes[1]).dropna().tolist()  # by id
+    return float(np.median(ratios)) if ratios else None
+
+
+def _render(table: pd.DataFrame) -> str:
+    columns: dict[str, Any] = {
+        "Category": table["category"],
+        "Model": table.apply(row_name, axis=1),
+        "Shapes": table["shapes"],
+        "N": table["n"].map(plain),
+    }
+    columns |= {title: table.apply(_cell, axis=1, figure=name) for name, title in _TITLES.items()}
+    return page("Quality of the solids", markdown_table(columns), notes=_NOTES)
+
+
+def _cell(row: pd.Series, figure: str) -> str:
+    printed = row.get(f"{figure}_paper")
+    paper = "" if pd.isna(printed) else f" (paper {printed})"
+    value = row[figure]
+    if pd.isna(value):
+        return f"—{paper}"
+    if figure in _SHARES:
+        return f"{round_value(100 * value)} %{paper}"
+    share = f" ({round_value(100 * row['inverted_share'])} %)" if figure == "inverted_tets" and value else ""
+    return f"{int(value) if figure in _COUNTS else round_value(value)}{share}{paper}"
