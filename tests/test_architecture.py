@@ -24,11 +24,7 @@ ROOMS = [
     "config",
     "cli",
 ]
-MODULES = sorted(
-    path
-    for path in PACKAGE.rglob("*.py")
-    if path.parent != PACKAGE or path.stem not in ("__init__", "__main__")
-)
+MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path.parent != PACKAGE or path.stem not in ("__init__", "__main__"))
 
 
 def imported_names(path: Path) -> set[str]:

@@ -22,7 +22,9 @@ def folder(tmp_path):
     """A valid tet, one in a folder of its own that is inverted, and a surface."""
     write_tets(tmp_path / "meshes" / "good.vtu", SolidMesh(CORNER, TET, boundary_faces(TET)))
     turned = TET[:, [1, 0, 2, 3]]
-    write_tets(tmp_path / "meshes" / "more" / "bad.msh", SolidMesh(CORNER, turned, boundary_faces(turned)))
+    write_tets(
+        tmp_path / "meshes" / "more" / "bad.msh", SolidMesh(CORNER, turned, boundary_faces(turned))
+    )
     (tmp_path / "meshes" / "surface.ply").write_text("no tets")
     return tmp_path / "meshes"
 
