@@ -98,7 +98,7 @@ class Around:
 
     @cached_property
     def _beside(self) -> Int[np.ndarray, "K S"]:
-        """Corners of the same simplex in the tets across the faces that hold it; meaningless at the outside."""
+        """Corners of the same simplex across the faces that hold it; meaningless at the outside."""
         corners = self._members.shape[1]
         beside = np.empty((*self._members.shape, self._faces.shape[1]), dtype=np.int64)
         for corner, slots in enumerate(self._faces):

@@ -62,7 +62,8 @@ def _label_by_faces(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndar
 def _label_by_vertices(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndarray, "N"]:
     corners = ambient.tets[tets]
     ends = np.repeat(corners[:, 0], 3), corners[:, 1:].ravel()
-    return _labels(*ends, len(ambient.vertices))[corners[:, 0]]
+    labels = _labels(*ends, len(ambient.vertices))[corners[:, 0]]  # of vertices, those without tets too
+    return np.unique(labels, return_inverse=True)[1]
 
 
 def _labels(ends: Int[np.ndarray, "E"], others: Int[np.ndarray, "E"], count: int) -> Int[np.ndarray, "N"]:
