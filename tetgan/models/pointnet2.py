@@ -190,7 +190,7 @@ class SetAbstraction(nn.Module):
         return self.rest(rows.flatten(0, 2)).unflatten(0, rows.shape[:3]).max(2).values
 
     def _pool_fixed(self, rows: Float[Tensor, "B S K C"]) -> Float[Tensor, "B S D"]:
-        """The same to rounding, in half the time, where nothing is learned: batch norms become part of layers."""
+        """The same to rounding, in half the time, where nothing is learned: batch norms join the layers."""
         norm, _, *others = self.rest
         flat = functional.relu_(norm(rows.flatten(0, 2)))
         for linear, following in zip(others[::3], others[1::3], strict=True):
