@@ -79,10 +79,10 @@ def measure(modules: tuple[str, ...], quick: bool) -> Records:
             if name not in MODULES:
                 raise UserError(f"--only: '{name}' is not one of {', '.join(MODULES)}")
             progress.update(task, description=name, refresh=True)
-            if not (HERE / f"{name}.py").is_file():
-                log.warning("%s: not here, left out", name)
-            else:
+            if (HERE / f"{name}.py").is_file():
                 found |= import_module(name).run(quick)
+            else:
+                log.warning("%s: not here, left out", name)
             progress.update(task, advance=1, refresh=True)
     return found
 
