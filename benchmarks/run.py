@@ -9,13 +9,14 @@ A benchmark is a module here with `run(quick: bool) -> Records` (see records.py)
 import json
 import logging
 import os
+import sys
 from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
 import typer
 from performance import draw_figures, table, write_page
-from records import Records, cpu_name, is_met
+from records import Record, Records, cpu_name, is_met
 from rich.console import Console
 from rich.progress import Progress
 
@@ -38,6 +39,7 @@ def main(
 ) -> None:
     """Measure, print, and write what was measured."""
     logging.basicConfig(level=logging.INFO, format="%(levelname).1s %(name)s: %(message)s")
+    sys.path.append(str(HERE.parent))  # some say `from benchmarks.naive import`, as modules do
     use_threads(threads)
     chosen = tuple(only.split(",")) if only else MODULES
     found = measure(chosen, quick)
@@ -80,11 +82,19 @@ def measure(modules: tuple[str, ...], quick: bool) -> Records:
                 raise UserError(f"--only: '{name}' is not one of {', '.join(MODULES)}")
             progress.update(task, description=name, refresh=True)
             if (HERE / f"{name}.py").is_file():
-                found |= import_module(name).run(quick)
+                found |= _named_device(import_module(name).run(quick))
             else:
                 log.warning("%s: not here, left out", name)
             progress.update(task, advance=1, refresh=True)
     return found
+
+
+def _named_device(found: Records) -> Records:
+    """A plain `cpu` says too little beside figures of other machines."""
+    return {
+        name: Record(**{**each, "device": cpu_name()}) if each["device"] == "cpu" else each
+        for name, each in found.items()
+    }
 
 
 def merge(before: Records, found: Records, *, keep_all: bool) -> Records:
