@@ -113,4 +113,7 @@ def read_records(path: Path) -> Records:
 
 
 if __name__ == "__main__":
-    typer.run(main)
+    try:
+        typer.run(main)
+    except UserError as error:
+        sys.exit(f"error: {error}")
