@@ -6,6 +6,7 @@ from itertools import groupby
 from pathlib import Path
 
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 from records import Record, Records, is_met
 
 from tetgan.files import whole_file
@@ -74,10 +75,11 @@ def _draw(size: str, lines: dict[str, list[tuple[int, Record]]]) -> Figure:
         seconds = [each["value"] * _SECONDS[each["unit"]] for each in records]
         axes.plot(sizes, seconds, marker="o", label=name, **looks[name])
     axes.set(xscale="log", yscale="log", xlabel=size, ylabel="seconds", title=f"Cost against {size}")
-    axes.set_xticks(sorted({at for points in lines.values() for at, _ in points}), minor=False)
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
-    axes.xaxis.set_minor_formatter(lambda value, _: "")
-    axes.tick_params(axis="x", labelrotation=30)
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
     figure.legend(loc="outside right upper")
     return figure
 
