@@ -7,7 +7,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup chair paper smoke report test lint format schema lock clean
+.PHONY: help setup chair paper smoke report test bench lint format schema lock clean
 
 help:  ## List the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-8s %s\n", $$1, $$2}'
@@ -36,6 +36,9 @@ report: setup  ## Every table and figure on one page that opens offline: results
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 	$(BIN)/python -m pytest $(if $(PYTEST),$(PYTEST),-m "not slow")
+
+bench: setup  ## Every benchmark: benchmarks/latest.json, docs/performance.md (at toy sizes: make bench BENCH=--quick)
+	$(BIN)/python benchmarks/run.py $(BENCH)
 
 lint: setup  ## Style, types, workflow lint, schema in step with the code
 	$(BIN)/ruff check .

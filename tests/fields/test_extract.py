@@ -1,7 +1,5 @@
 """Occupancy and displacement against closed forms and brute force."""
 
-import time
-
 import numpy as np
 import pytest
 import trimesh
@@ -103,14 +101,3 @@ def test_a_full_grid_has_its_surface_at_the_wall(grid):
     full = np.ones(len(grid.tets), dtype=bool)
     np.testing.assert_array_equal(surface_tets(full, grid.neighbors), (grid.neighbors < 0).any(axis=1))
     assert not surface_tets(~full, grid.neighbors).any()
-
-
-@pytest.mark.parametrize(("subdivisions", "limit"), [(4, 0.8), (6, 2.0)])
-def test_the_low_resolution_grid_is_fast(subdivisions, limit):
-    # 5,120 and 81,920 faces on 73,728 tets; CPU time counts all threads.
-    grid = build_hierarchy(2, 3).finest
-    mesh = trimesh.creation.icosphere(subdivisions=subdivisions, radius=0.4)
-    vertices, faces = np.array(mesh.vertices) + 0.5, np.array(mesh.faces, dtype=np.int64)
-    start = time.process_time()
-    extract_field(vertices, faces, grid)
-    assert time.process_time() - start < limit

@@ -120,6 +120,22 @@ def test_features_of_a_cloud_do_not_depend_on_its_neighbours_in_a_batch():
         torch.testing.assert_close(network.features(points[1:2]), together[1:2], atol=1e-5, rtol=1e-4)
 
 
+def test_features_without_gradients_equal_those_with():
+    # Without gradients batch norms are folded into the layers: statistics away from 0 and 1 tell.
+    network = PointNet2(3)
+    generator = torch.Generator().manual_seed(0)
+    for module in network.modules():
+        if isinstance(module, torch.nn.BatchNorm1d):
+            for tensor in (module.running_mean, module.running_var, module.weight, module.bias):
+                tensor.data.copy_(torch.rand(tensor.shape, generator=generator) + 0.5)
+    network.eval()
+    points = prepare_clouds(cloud(10, 2, 1024))
+    expected = network.features(points).detach()
+    with torch.no_grad():
+        # float32 products of up to 1,024 terms, scaled before rather than after
+        torch.testing.assert_close(network.features(points), expected, atol=1e-4, rtol=1e-4)
+
+
 def test_layers_have_the_published_sizes():
     # [64,64,128], [128,128,256], [256,512,1024], 512-256-classes; convolutions have no bias.
     network = PointNet2(40)

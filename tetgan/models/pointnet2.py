@@ -180,14 +180,33 @@ class SetAbstraction(nn.Module):
         """
         inputs = points if channels is None else torch.cat([points, channels], dim=2)
         projected = self.first(inputs)
+        pool = self._pool if self.training or torch.is_grad_enabled() else self._pool_fixed
         if grouping is None:
-            return points.new_zeros(len(points), 1, 3), self._pool(projected[:, None])
+            return points.new_zeros(len(points), 1, 3), pool(projected[:, None])
         centers = points.gather(1, grouping.centers[..., None].expand(-1, -1, 3))
         origin = centers @ self.first.weight[:, :3].T
-        return centers, self._pool(_gather_rows(projected, grouping.members) - origin[:, :, None])
+        return centers, pool(_gather_rows(projected, grouping.members) - origin[:, :, None])
 
     def _pool(self, rows: Float[Tensor, "B S K C"]) -> Float[Tensor, "B S D"]:
         return self.rest(rows.flatten(0, 2)).unflatten(0, rows.shape[:3]).max(2).values
+
+    def _pool_fixed(self, rows: Float[Tensor, "B S K C"]) -> Float[Tensor, "B S D"]:
+        """The same to rounding, in half the time, where nothing is learned: batch norms join the layers."""
+        norm, _, *others = self.rest
+        flat = functional.relu_(norm(rows.flatten(0, 2)))
+        for linear, following in zip(others[::3], others[1::3], strict=True):
+            flat = functional.relu_(functional.linear(flat, *_fold(linear, following)))
+        return flat.unflatten(0, rows.shape[:3]).amax(2)
+
+
+def _fold(linear: nn.Module, norm: nn.Module) -> tuple[Float[Tensor, "D C"], Float[Tensor, "D"]]:
+    """Weight and bias of a layer without bias and the batch norm after it, whose statistics are fixed."""
+    assert isinstance(linear, nn.Linear)
+    assert isinstance(norm, nn.BatchNorm1d)
+    assert norm.running_mean is not None
+    assert norm.running_var is not None
+    scale = norm.weight / (norm.running_var + norm.eps).sqrt()
+    return linear.weight * scale[:, None], norm.bias - norm.running_mean * scale
 
 
 def _gather_rows(rows: Float[Tensor, "B P C"], members: Int[Tensor, "B S K"]) -> Float[Tensor, "B S K C"]:

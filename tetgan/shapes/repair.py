@@ -56,7 +56,7 @@ def repair_shape(soup: Soup, worker: RepairWorker, options: RepairOptions) -> Re
         distances = surface_distances(raw, solid)
         plug = find_hollow(solid, sheet_thickness)
     if options.simplify_faces is not None:
-        solid = _simplify(solid, options.simplify_faces)
+        solid = simplify_solid(solid, options.simplify_faces)
         volume = check_solid(solid)
         distances = surface_distances(raw, solid)
     return Repaired(solid, volume, filled_share, plug is not None, float(distances.mean()))
@@ -99,7 +99,7 @@ def _join(first: Soup, second: Soup) -> Soup:
     )
 
 
-def _simplify(solid: Soup, faces: int) -> Soup:
+def simplify_solid(solid: Soup, faces: int) -> Soup:
     """Quadric decimation to a number of faces."""
     import fast_simplification  # noqa: PLC0415
 
