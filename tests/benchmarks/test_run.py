@@ -58,7 +58,7 @@ def test_an_unknown_benchmark_is_refused():
 def test_every_benchmark_that_is_there_is_run():
     from run import MODULES
 
-    made = {path.stem for path in BENCHMARKS.glob("*.py") if "\ndef run(quick: bool)" in path.read_text()}
+    made = {path.stem for path in BENCHMARKS.glob("*.py") if "\ndef run(quick: bool" in path.read_text()}
     assert made <= set(MODULES)
 
 
