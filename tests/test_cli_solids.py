@@ -108,6 +108,13 @@ def test_two_meshes_of_one_name_cannot_go_to_one_folder(folder, tmp_path, monkey
     assert not (tmp_path / "out").exists()
 
 
+def test_an_unknown_version_is_one_line(folder, tmp_path, monkeypatch, capsys):
+    line = error_of(
+        monkeypatch, capsys, "export", folder / "good.vtu", tmp_path / "a.msh", "--msh-version", "3"
+    )
+    assert line == f"error: {tmp_path}/a.msh: no version '3' of Gmsh's format; use 2.2 or 4.1"
+
+
 def test_an_unknown_format_is_one_line(folder, tmp_path, monkeypatch, capsys):
     line = error_of(monkeypatch, capsys, "export", folder / "good.vtu", tmp_path / "a.blend")
     assert line == f"error: {tmp_path}/a.blend: no mesh format '.blend' to write; use '.msh' or '.vtu'"
