@@ -15,13 +15,16 @@ class Pieces(NamedTuple):
     Attributes:
         tets: (M,) the tets around the first simplex, then those around the second, ...
         place: (M,) number of the simplex in the question.
-        label: (M,) number of the piece.
+        beside: (M, S) numbers, among these, of the tets across the faces that hold the simplex.
+        occupied: (M,) whether a tet counts as occupied; label: (M,) number of its piece.
         piece_place: (P,) number of the simplex that a piece lies around.
         piece_occupied: (P,) whether a piece is occupied.
     """
 
     tets: Int[np.ndarray, "M"]
     place: Int[np.ndarray, "M"]
+    beside: Int[np.ndarray, "M S"]
+    occupied: Bool[np.ndarray, "M"]
     label: Int[np.ndarray, "M"]
     piece_place: Int[np.ndarray, "P"]
     piece_occupied: Bool[np.ndarray, "P"]
@@ -87,7 +90,7 @@ class Around:
         count, label = connected_components(links, directed=False)
         some = np.zeros(count, dtype=np.int64)
         some[label] = np.arange(len(label))
-        return Pieces(tets, place, label, place[some], occupied[some])
+        return Pieces(tets, place, beside, occupied, label, place[some], occupied[some])
 
     @cached_property
     def _rank(self) -> Int[np.ndarray, "K"]:

@@ -8,6 +8,10 @@ from jaxtyping import Bool, Float, Int
 from tetgan.meshing.ambient import Ambient
 from tetgan.meshing.around import Pieces
 
+_LONGEST = 5  # rounds in which a bridge grows
+_CHEAPEST = (
+    1e-3  # of a step of a bridge: steps back, which cost less than nothing, must not go round in circles
+)
 _AT_ONCE = 2000  # changes weighed together: bounds the memory on noise, where every vertex is at fault
 
 
@@ -66,8 +70,8 @@ def make_manifold(
 ) -> Bool[np.ndarray, "T"]:
     """Fill and empty tets until the boundary is a manifold, at little cost.
 
-    Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides. Of the
-    changes that lower the sum of the defects, the cheapest for what they mend are made, as many at once as
+    Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides, and so
+    might the tets of a bridge between two pieces of one kind (`_cheapest_bridges`). Of the changes that lower the sum of the defects, the cheapest for what they mend are made, as many at once as
     have no vertex in common, until none is left; each round lowers the sum, so this ends. Where defects
     remain, tets around them are emptied for good (`_tets_to_empty`), and it goes on: at worst until all are.
     At last tets that need not have changed, seen from the end, change back.
@@ -80,7 +84,7 @@ def make_manifold(
     defect = boundary_defects(occupied, ambient)
     while defect.any():
         signed = np.where((occupied == original) | np.isinf(cost), cost, -cost)
-        changes = _cheapest_first(_possible_changes(occupied, defect, ambient), signed)
+        changes = _cheapest_first(_possible_changes(occupied, defect, ambient, signed), signed)
         if not _improve(changes, occupied, defect, ambient, signed):
             emptied = _tets_to_empty(np.flatnonzero(defect), occupied, ambient, cost)
             occupied[emptied], cost[emptied] = False, np.inf
@@ -101,25 +105,73 @@ def _defect(counts: Int[np.ndarray, "N 2"]) -> Int[np.ndarray, "N"]:
 
 
 def _possible_changes(
-    occupied: Bool[np.ndarray, "T"], defect: Int[np.ndarray, "V"], ambient: Ambient
+    occupied: Bool[np.ndarray, "T"],
+    defect: Int[np.ndarray, "V"],
+    ambient: Ambient,
+    cost: Float[np.ndarray, "T"],
 ) -> _Changes:
-    """Each piece around the vertices at fault, and around the edges there with four boundary faces."""
+    """Each piece around the vertices at fault and around the edges there with four boundary faces; and bridges."""
     vertices = np.flatnonzero(defect)
     at_vertices = ambient.around_vertices.pieces(vertices, None, occupied)
     own = np.unique(at_vertices.tets)
     edges = np.unique(ambient.edges_of_tets[own[own < ambient.grid_tets]])
     at_edges = ambient.around_edges.pieces(edges, None, occupied)
     pinched = at_edges.counts(len(edges))[:, 1] > 1
-    sets = _as_changes(at_vertices), _as_changes(at_edges).only(pinched[at_edges.piece_place])
-    return _Changes(
-        np.concatenate([sets[0].change, sets[1].change + sets[0].number]),
-        np.concatenate([sets[0].tets, sets[1].tets]),
+    return _together(
+        _as_changes(at_vertices.label, at_vertices.tets),
+        _as_changes(at_edges.label, at_edges.tets).only(pinched[at_edges.piece_place]),
+        _cheapest_bridges(at_vertices, True, cost),
+        _cheapest_bridges(at_vertices, False, cost),
     )
 
 
-def _as_changes(pieces: Pieces) -> _Changes:
-    order = np.argsort(pieces.label, kind="stable")
-    return _Changes(pieces.label[order], pieces.tets[order])
+def _cheapest_bridges(pieces: Pieces, occupied: bool, cost: Float[np.ndarray, "T"]) -> _Changes:
+    """For each vertex the cheapest row of tets that joins two of its pieces, both occupied or both empty.
+
+    Each piece grows, tet by tet, over those that are cheapest to reach; where two that have grown meet at a
+    face, the tets on the way there are a bridge.
+    """
+    source = pieces.occupied == occupied
+    step = np.where(source, 0.0, cost[pieces.tets].clip(min=_CHEAPEST))
+    way, parent = np.where(source, 0.0, np.inf), np.arange(len(source))
+    origin = pieces.label.copy()
+    for side in np.tile(np.arange(pieces.beside.shape[1]), _LONGEST):
+        before = pieces.beside[:, side]
+        nearer = way[before] + step < way
+        way[nearer] = (way[before] + step)[nearer]
+        parent[nearer], origin[nearer] = before[nearer], origin[before][nearer]
+    length = np.where(origin[:, None] != origin[pieces.beside], way[:, None] + way[pieces.beside], np.inf)
+    side = length.argmin(axis=1)
+    shortest = np.take_along_axis(length, side[:, None], axis=1)[:, 0]
+    order = np.lexsort([shortest, pieces.place])
+    ends = order[np.unique(pieces.place[order], return_index=True)[1]]
+    ends = ends[np.isfinite(shortest[ends])]
+    return _rows_to_source(pieces, np.stack([ends, pieces.beside[ends, side[ends]]]), parent)
+
+
+def _rows_to_source(pieces: Pieces, ends: Int[np.ndarray, "2 N"], parent: Int[np.ndarray, "M"]) -> _Changes:
+    """The tets on the way from both ends of each bridge to where the way begins, without the beginning."""
+    number, tets = [], []
+    for _ in range(_LONGEST * 3 + 1):
+        on_way = parent[ends] != ends
+        number.append(np.nonzero(on_way)[1])
+        tets.append(pieces.tets[ends[on_way]])
+        ends = parent[ends]
+    found = np.unique(np.stack([np.concatenate(number), np.concatenate(tets)]), axis=1)
+    return _Changes(np.unique(found[0], return_inverse=True)[1], found[1])
+
+
+def _together(*sets: _Changes) -> _Changes:
+    first = np.cumsum([0, *(each.number for each in sets)])
+    return _Changes(
+        np.concatenate([each.change + start for each, start in zip(sets, first, strict=False)]),
+        np.concatenate([each.tets for each in sets]),
+    )
+
+
+def _as_changes(number: Int[np.ndarray, "M"], tets: Int[np.ndarray, "M"]) -> _Changes:
+    order = np.argsort(number, kind="stable")
+    return _Changes(number[order], tets[order])
 
 
 def _cheapest_first(changes: _Changes, cost: Float[np.ndarray, "T"]) -> _Changes:
