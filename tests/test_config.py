@@ -7,7 +7,7 @@ import pytest
 import yaml
 from snakemake.utils import update_config
 
-from tetgan.config import PAPER, Config, load_config, schema_text
+from tetgan.config import Config, load_config, schema_text
 from tetgan.errors import UserError
 
 ROOT = Path(__file__).parent.parent
@@ -54,6 +54,16 @@ def test_the_written_schema_is_in_step():
         (changed(sources={"chair": {"kind": "magic"}}), ["sources.chair", "magic"]),
         (changed(grids={"LR": {"depth": 2}}), ["grids.LR", "exactly one of 'cells' and 'file'"]),
         (changed(models={"m": {"kind": "pca", "grid": "XR"}}), ["models.m.grid", "XR"]),
+        (changed(models={"m": {"kind": "magic"}}), ["models.m.kind", "'magic'", "pca", "tetgan", "plugins"]),
+        (changed(models={"m": {"grid": "LR"}}), ["models.m.kind", "a model needs the name of its kind"]),
+        (changed(models={"m": ["pca"]}), ["models.m.kind", "a model needs the name of its kind"]),
+        (changed(figures={"models": ["tetgan-XR"]}), ["figures.models", "'tetgan-XR'", "tetgan-LR"]),
+        (changed(figures={"models": ["occnet"]}), ["figures.models", "'occnet' is no model of fields"]),
+        (changed(studies={"smoothing": {"models": ["occnet"]}}), ["studies.smoothing.models", "'occnet'"]),
+        (changed(plugins="toys"), ["plugins", "valid list"]),
+        (changed(plugins=["toys/linear.py"]), ["plugins", "'toys/linear.py' is no dotted name of a module"]),
+        (changed(plugins=["absent_toys.linear"]), ["plugins", "No module named 'absent_toys'", "PYTHONPATH"]),
+        (changed(plugins=["json"]), ["plugins: json", "holds no ModelKind"]),
         (
             changed(models={"m": {"kind": "tetgan", "grid": "LR", "training": {"epoch": 3}}}),
             ["models.m", "epoch", "epochs"],
@@ -185,7 +195,7 @@ def test_an_entry_of_another_kind_drops_what_the_default_said_of_its_own():
 
 def test_reductions_name_what_is_smaller_than_in_the_paper():
     config = Config.parse(changed(models={"m": {"kind": "tetgan", "grid": "LR", "width": 16}}))
-    assert f"width 16 (paper {PAPER['width']})" in config.reductions("m")
+    assert "width 16 (paper 64)" in config.reductions("m")
     assert "depth 2 (paper 3)" in config.reductions("m")
     assert "code" not in config.reductions("m")
 
