@@ -179,7 +179,8 @@ def peak_bytes(work: Callable[[], object]) -> int:
 
 def result(value: float, unit: str, target: float | None, better: str, device: torch.device) -> Result:
     """One entry of the table of benchmarks."""
-    name = torch.cuda.get_device_name(device) if device.type == "cuda" else "cpu"
+    threads = f"CPU, {torch.get_num_threads()} threads"
+    name = torch.cuda.get_device_name(device) if device.type == "cuda" else threads
     return {"value": value, "unit": unit, "target": target, "better": better, "device": name}
 
 

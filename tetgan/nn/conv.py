@@ -89,14 +89,48 @@ class _Conv(torch.autograd.Function):
         ctx: Any, grad: Tensor
     ) -> tuple[Tensor | None, Tensor | None, Tensor | None, None]:
         x, weight = ctx.saved_tensors
-        dx = dweight = dbias = None
-        if ctx.needs_input_grad[0]:
-            dx = _Conv.apply(grad, weight.mT, None, ctx.shifts.adjoint)
-        if ctx.needs_input_grad[1] and _weights_wanted:
-            dweight = _WeightGradient.apply(x, grad, ctx.shifts)
-        if ctx.needs_input_grad[2] and _weights_wanted:
-            dbias = grad.sum(dim=(0, 1))
+        wanted = ctx.needs_input_grad[0], ctx.needs_input_grad[1] and _weights_wanted
+        dx, dweight = _gradients(x, weight, grad, ctx.shifts, wanted)
+        dbias = grad.sum(dim=(0, 1)) if ctx.needs_input_grad[2] and _weights_wanted else None
         return dx, dweight, dbias, None
+
+
+def _gradients(
+    x: Tensor, weight: Tensor, grad: Tensor, shifts: _Shifts, wanted: tuple[bool, bool]
+) -> tuple[Tensor | None, Tensor | None]:
+    """Those of a convolution by its features and matrices."""
+    if all(wanted):
+        # (shift_s*(g)ᵀ x)ᵀ = shift_s(x)ᵀ g
+        dx, transposed = _Both.apply(grad, weight.mT, x, shifts.adjoint)
+        return dx, transposed.mT
+    dx = _Conv.apply(grad, weight.mT, None, shifts.adjoint) if wanted[0] else None
+    return dx, _WeightGradient.apply(x, grad, shifts) if wanted[1] else None
+
+
+class _Both(torch.autograd.Function):
+    """Σ_s shift_s(x) W_s and shift_s(x)ᵀ z of every slot; a backward pass gathers once for the two."""
+
+    @staticmethod
+    def forward(ctx: Any, x: Tensor, weight: Tensor, z: Tensor, shifts: _Shifts) -> tuple[Tensor, Tensor]:
+        ctx.save_for_backward(x, weight, z)
+        ctx.shifts = shifts
+        ctx.set_materialize_grads(False)
+        return shifts.kernels.conv_and_weight_gradient(x, weight, z, shifts.neighbors, shifts.side)
+
+    @staticmethod
+    def backward(  # type: ignore[override]
+        ctx: Any, grad: Tensor | None, product_grad: Tensor | None
+    ) -> tuple[Tensor | None, Tensor | None, Tensor | None, None]:
+        x, weight, z = ctx.saved_tensors
+        dx = dweight = dz = None
+        if grad is not None:
+            dx, dweight = _gradients(x, weight, grad, ctx.shifts, ctx.needs_input_grad[:2])
+        if product_grad is not None and ctx.needs_input_grad[0]:
+            more = _Conv.apply(z, product_grad.mT, None, ctx.shifts.adjoint)
+            dx = more if dx is None else dx + more
+        if product_grad is not None and ctx.needs_input_grad[2]:
+            dz = _Conv.apply(x, product_grad, None, ctx.shifts)
+        return dx, dweight, dz, None
 
 
 class _WeightGradient(torch.autograd.Function):

@@ -23,7 +23,7 @@ _forced: Backend | None = None
 
 @runtime_checkable
 class Kernels(Protocol):
-    """What a backend offers to the differentiable operator; neither function records gradients."""
+    """What a backend offers to the differentiable operator; none of them records gradients."""
 
     def conv(
         self, x: Tensor, weight: Tensor, bias: Tensor | None, neighbors: TetNeighbors, side: Side
@@ -33,6 +33,12 @@ class Kernels(Protocol):
 
     def weight_gradient(self, x: Tensor, grad: Tensor, neighbors: TetNeighbors, side: Side) -> Tensor:
         """shift_s(x)ᵀ g of every slot, (5, C, D)."""
+        ...
+
+    def conv_and_weight_gradient(
+        self, x: Tensor, weight: Tensor, other: Tensor, neighbors: TetNeighbors, side: Side
+    ) -> tuple[Tensor, Tensor]:
+        """Both of x at once, the second with `other` (T, B, E): what a backward pass needs."""
         ...
 
 

@@ -5,6 +5,8 @@ of all neighbors would be, they cost more than the products. Neighbors are near 
 that a chunk gathers mostly are in the cache as well.
 """
 
+from collections.abc import Iterator
+
 import torch
 from jaxtyping import Float
 from torch import Tensor
@@ -37,15 +39,38 @@ def weight_gradient(
     return _products_over_tets(grad, x, neighbors, other).mT
 
 
+def conv_and_weight_gradient(
+    x: Float[Tensor, "T B C"],
+    weight: Float[Tensor, "5 C D"],
+    other: Float[Tensor, "T B E"],
+    neighbors: TetNeighbors,
+    side: Side,
+) -> tuple[Float[Tensor, "T B D"], Float[Tensor, "5 C E"]]:
+    """Σ_s shift_s(x) W_s, and shift_s(x)ᵀ `other` of every slot, from rows that are gathered once."""
+    method = choose_method(x.shape[1], *weight.shape[1:])
+    if method == "first":
+        return conv(x, weight, None, neighbors, side), weight_gradient(x, other, neighbors, side)
+    x, other, total = x.contiguous(), other.contiguous(), _zeros(x, other)
+    y = x.new_empty(*x.shape[:2], weight.shape[2])
+    if x.shape[1] == 1:
+        matrix = _transposed(weight)
+        for tets, columns in _columns(x, neighbors, side):
+            torch.mm(columns, matrix, out=y[tets, 0])
+            total += torch.mm(columns.T, other[tets, 0]).view_as(total)
+        return y, total.to(x.dtype)
+    for tets, own, gathered in _slots(x, neighbors, side):
+        _accumulate(own, gathered, weight, None, y[tets].flatten(0, 1))
+        _add_products(total, own, gathered, other[tets].flatten(0, 1))
+    return y, total.to(x.dtype)
+
+
 def _multiply_columns(
     x: Tensor, weight: Tensor, bias: Tensor | None, neighbors: TetNeighbors, side: Side
 ) -> Tensor:
     """Five rows side by side, then one product; B is 1."""
-    y = x.new_empty(len(x), weight.shape[2])
-    flat, matrix = x.flatten(1), weight.flatten(0, 1)
-    for first, last, bags in neighbors.tetwise(side, chunk_size(x)):
-        columns = _sum_rows(flat, bags).view(last - first, -1)
-        _multiply(columns, matrix, bias, y[first:last])
+    y, matrix = x.new_empty(len(x), weight.shape[2]), _transposed(weight)
+    for tets, columns in _columns(x, neighbors, side):
+        _multiply(columns, matrix, bias, y[tets])
     return y.unsqueeze(1)
 
 
@@ -54,13 +79,47 @@ def _accumulate_products(
 ) -> Tensor:
     """A product for each slot, added to the chunk's output while it is in the cache."""
     y = x.new_empty(*x.shape[:2], weight.shape[2])
-    for first, last, bags in neighbors.slotwise(side, chunk_size(x)):
-        part = y[first:last].flatten(0, 1)
-        _multiply(x[first:last].flatten(0, 1), weight[0], bias, part)
-        gathered = _sum_rows(x.flatten(1), bags).view(SLOTS - 1, len(part), -1)
-        for slot in range(1, SLOTS):
-            part.addmm_(gathered[slot - 1], weight[slot])
+    for tets, own, gathered in _slots(x, neighbors, side):
+        _accumulate(own, gathered, weight, bias, y[tets].flatten(0, 1))
     return y
+
+
+def _columns(x: Tensor, neighbors: TetNeighbors, side: Side) -> Iterator[tuple[slice, Tensor]]:
+    """Chunks of tets, and for each its five rows side by side, (n, 5 C); B is 1."""
+    flat = x.flatten(1)
+    for first, last, bags in neighbors.tetwise(side, chunk_size(x)):
+        yield slice(first, last), _sum_rows(flat, bags).view(last - first, -1)
+
+
+def _slots(x: Tensor, neighbors: TetNeighbors, side: Side) -> Iterator[tuple[slice, Tensor, Tensor]]:
+    """Chunks of tets, and for each its own rows (n·B, C) and the four neighbors' (4, n·B, C)."""
+    flat = x.flatten(1)
+    for first, last, bags in neighbors.slotwise(side, chunk_size(x)):
+        own = x[first:last].flatten(0, 1)
+        yield slice(first, last), own, _sum_rows(flat, bags).view(SLOTS - 1, *own.shape)
+
+
+def _accumulate(own: Tensor, gathered: Tensor, weight: Tensor, bias: Tensor | None, out: Tensor) -> None:
+    matrix, *matrices = weight.unbind()
+    _multiply(own, matrix, bias, out)
+    for rows, matrix in zip(gathered.unbind(), matrices, strict=True):
+        out.addmm_(rows, matrix)
+
+
+def _add_products(total: Tensor, own: Tensor, gathered: Tensor, other: Tensor) -> None:
+    total[0] += torch.mm(own.T, other)
+    total[1:] += torch.bmm(gathered.mT, other.expand(SLOTS - 1, -1, -1))
+
+
+def _transposed(weight: Tensor) -> Tensor:
+    """(5 C, D) in column order, in which a product of long rows is fastest."""
+    return weight.flatten(0, 1).T.contiguous().T
+
+
+def _zeros(x: Tensor, other: Tensor) -> Tensor:
+    """Sums over chunks, in float32 at least."""
+    dtype = torch.promote_types(x.dtype, torch.float32)
+    return torch.zeros(SLOTS, x.shape[2], other.shape[2], dtype=dtype, device=x.device)
 
 
 def _multiply_first(
@@ -108,23 +167,14 @@ def _side_by_side(weight: Tensor, bias: Tensor | None) -> tuple[Tensor, Tensor |
 
 
 def _products_over_tets(x: Tensor, grad: Tensor, neighbors: TetNeighbors, side: Side) -> Tensor:
-    """shift_s(x)ᵀ g, summed over chunks in float32 at least."""
-    batch, channels = x.shape[1:]
-    out = grad.shape[2]
-    total = torch.zeros(
-        SLOTS, channels, out, dtype=torch.promote_types(x.dtype, torch.float32), device=x.device
-    )
-    flat = x.flatten(1)
-    if batch == 1:
-        for first, last, bags in neighbors.tetwise(side, chunk_size(x)):
-            columns = _sum_rows(flat, bags).view(last - first, -1)
-            total += torch.mm(columns.T, grad[first:last, 0]).view_as(total)
-        return total.to(x.dtype)
-    for first, last, bags in neighbors.slotwise(side, chunk_size(x)):
-        part = grad[first:last].flatten(0, 1)
-        gathered = _sum_rows(flat, bags).view(SLOTS - 1, len(part), channels)
-        total[0] += torch.mm(x[first:last].flatten(0, 1).T, part)
-        total[1:] += torch.bmm(gathered.mT, part.expand(SLOTS - 1, -1, -1))
+    """shift_s(x)ᵀ g, summed over chunks."""
+    total = _zeros(x, grad)
+    if x.shape[1] == 1:
+        for tets, columns in _columns(x, neighbors, side):
+            total += torch.mm(columns.T, grad[tets, 0]).view_as(total)
+    else:
+        for tets, own, gathered in _slots(x, neighbors, side):
+            _add_products(total, own, gathered, grad[tets].flatten(0, 1))
     return total.to(x.dtype)
 
 

@@ -24,7 +24,7 @@ _INTERPRETED = knobs.runtime.interpret
 # Tiles differ in rows only: the order of summation, so the result, does not depend on which one wins.
 _TILES = [
     triton.Config({"ROWS": rows}, num_warps=warps, num_stages=stages)
-    for rows, warps, stages in ((128, 4, 3), (128, 8, 3), (64, 4, 4), (256, 8, 3))
+    for rows, warps, stages in ((128, 4, 3), (128, 8, 3), (64, 4, 4))
 ]
 
 
@@ -198,6 +198,17 @@ def weight_gradient(
             **_arithmetic(x),
         )
     return partial.sum(dim=0).to(x.dtype)
+
+
+def conv_and_weight_gradient(
+    x: Float[Tensor, "T B C"],
+    weight: Float[Tensor, "5 C D"],
+    other: Float[Tensor, "T B E"],
+    neighbors: TetNeighbors,
+    side: Side,
+) -> tuple[Float[Tensor, "T B D"], Float[Tensor, "5 C E"]]:
+    """Σ_s shift_s(x) W_s, and shift_s(x)ᵀ `other` of every slot; one kernel each."""
+    return conv(x, weight, None, neighbors, side), weight_gradient(x, other, neighbors, side)
 
 
 def try_out() -> None:
