@@ -134,7 +134,7 @@ def as_in_first(module: nn.Module) -> None:
 
 def relaunch(processes: int) -> None:
     """Replace this command by so many of it, started by `torchrun`; nothing to do for one, or inside one."""
-    if processes <= 1 or "WORLD_SIZE" in os.environ:
+    if processes <= 1 or launched_together() > 1:
         return
     launcher = [
         sys.executable,
