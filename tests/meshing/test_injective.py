@@ -35,7 +35,9 @@ def move(ball, targets, ambient, *, min_dihedral=15.0, rounds=4):
 
 
 @given(
-    seed=st.integers(0, 2**32 - 1), size=st.floats(0, 1), min_dihedral=st.sampled_from([0.0, 10.0, 20.0, 30.0])
+    seed=st.integers(0, 2**32 - 1),
+    size=st.floats(0, 1),
+    min_dihedral=st.sampled_from([0.0, 10.0, 20.0, 30.0]),
 )
 @constant_fixtures
 def test_wherever_the_boundary_is_wanted_every_tet_of_space_stays_positive(

@@ -79,7 +79,8 @@ def test_shapes_are_valid_and_near_the_faithful_mesh(fine_grid, shape, smoothing
     field, mu = truth(shape, fine_grid)
     operator = vertex_operator(fine_grid)
     mesh, faithful = (
-        build_solid(field, fine_grid, operator, mu, options, smoothing=smoothing) for options in (SOLID, PAPER)
+        build_solid(field, fine_grid, operator, mu, options, smoothing=smoothing)
+        for options in (SOLID, PAPER)
     )
     assert_valid(mesh)
     if shape not in ("wire", "plate"):  # these are thinner than a cell: not one tet in four lies inside
@@ -146,5 +147,7 @@ def test_mode_paper_is_what_it_was(grid, operator):
     field = Field(rng.random(len(grid.tets)) < 0.6, displacement)
     mesh = build_solid(field, grid, operator, 0.02, PAPER, smoothing=True)
     assert mesh.changes == SolidChanges()
-    digest = hashlib.sha256(np.round(mesh.vertices, 10).tobytes() + mesh.tets.tobytes() + mesh.faces.tobytes())
+    digest = hashlib.sha256(
+        np.round(mesh.vertices, 10).tobytes() + mesh.tets.tobytes() + mesh.faces.tobytes()
+    )
     assert digest.hexdigest()[:16] == "6ac40830d495f455"
