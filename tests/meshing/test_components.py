@@ -6,8 +6,8 @@ import pytest
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.ambient import ambient_space
 from tetgan.meshing.components import count_cavities, drop_small_pieces
-from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.occupancy import valid_occupancy
+from tetgan.meshing.options import MeshingOptions
 
 
 @pytest.fixture(scope="module")
