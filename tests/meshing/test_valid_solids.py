@@ -73,6 +73,17 @@ def test_noise_is_valid(*, seed, which, share, smooth, size, smoothing, grids):
     assert found.cavities == mesh.changes.cavities
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(300))
+def test_three_hundred_fields_of_noise_are_valid(grid, operator, seed):
+    rng = np.random.default_rng(seed)
+    share, size = rng.uniform(0.1, 0.9), rng.choice([0.0, 0.02, 0.1, 1.0])
+    occupancy = smoothed_noise(grid, rng, share) if seed % 2 else rng.random(len(grid.tets)) < share
+    displacement = rng.normal(scale=size, size=(len(grid.tets), 3)).astype(np.float32)
+    field = Field(occupancy, displacement)
+    assert_valid(build_solid(field, grid, operator, 1.0, SOLID, smoothing=bool(seed // 2 % 2)))
+
+
 @pytest.mark.parametrize("smoothing", [False, True])
 @pytest.mark.parametrize("shape", SHAPES)
 def test_shapes_are_valid_and_near_the_faithful_mesh(fine_grid, shape, smoothing):

@@ -16,7 +16,7 @@ from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.meshing.solid import SolidChanges, SolidMesh
 
 _FAR = 4.0  # mean displacements of surface tets from the surface: beyond that every tet costs the same
-_EMPTYING = 2.0  # times what filling costs
+_EMPTYING = 4.0  # times what filling costs
 
 
 def build_solid(

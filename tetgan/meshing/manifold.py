@@ -71,9 +71,10 @@ def make_manifold(
     """Fill and empty tets until the boundary is a manifold, at little cost.
 
     Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides, and so
-    might the tets of a bridge between two pieces of one kind (`_cheapest_bridges`). Of the changes that lower the sum of the defects, the cheapest for what they mend are made, as many at once as
-    have no vertex in common, until none is left; each round lowers the sum, so this ends. Where defects
-    remain, tets around them are emptied for good (`_tets_to_empty`), and it goes on: at worst until all are.
+    might the tets of a bridge between two pieces of one kind (`_cheapest_bridges`). Of the changes that lower
+    the sum of the defects, the cheapest for what they mend are made, as many at once as have no vertex in
+    common, until none is left; each round lowers the sum, so this ends. Where defects remain, tets around
+    them are emptied for good (`_tets_to_empty`), and it goes on: at worst until all are.
     At last tets that need not have changed, seen from the end, change back.
 
     Args:
@@ -110,7 +111,7 @@ def _possible_changes(
     ambient: Ambient,
     cost: Float[np.ndarray, "T"],
 ) -> _Changes:
-    """Each piece around the vertices at fault and around the edges there with four boundary faces; and bridges."""
+    """The pieces around vertices at fault, and around edges there with four boundary faces; and bridges."""
     vertices = np.flatnonzero(defect)
     at_vertices = ambient.around_vertices.pieces(vertices, None, occupied)
     own = np.unique(at_vertices.tets)
