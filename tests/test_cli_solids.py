@@ -22,9 +22,7 @@ def folder(tmp_path):
     """A valid tet, one in a folder of its own that is inverted, and a surface."""
     write_tets(tmp_path / "meshes" / "good.vtu", SolidMesh(CORNER, TET, boundary_faces(TET)))
     turned = TET[:, [1, 0, 2, 3]]
-    write_tets(
-        tmp_path / "meshes" / "more" / "bad.msh", SolidMesh(CORNER, turned, boundary_faces(turned))
-    )
+    write_tets(tmp_path / "meshes" / "more" / "bad.msh", SolidMesh(CORNER, turned, boundary_faces(turned)))
     (tmp_path / "meshes" / "surface.ply").write_text("no tets")
     return tmp_path / "meshes"
 
@@ -108,6 +106,13 @@ def test_two_meshes_of_one_name_cannot_go_to_one_folder(folder, tmp_path, monkey
     line = error_of(monkeypatch, capsys, "certify", folder, again, "--out", tmp_path / "out")
     assert line == "error: good.vtu: two meshes of this name; certify their folders apart"
     assert not (tmp_path / "out").exists()
+
+
+def test_an_unknown_version_is_one_line(folder, tmp_path, monkeypatch, capsys):
+    line = error_of(
+        monkeypatch, capsys, "export", folder / "good.vtu", tmp_path / "a.msh", "--msh-version", "3"
+    )
+    assert line == f"error: {tmp_path}/a.msh: no version '3' of Gmsh's format; use 2.2 or 4.1"
 
 
 def test_an_unknown_format_is_one_line(folder, tmp_path, monkeypatch, capsys):

@@ -18,7 +18,7 @@ from tetgan.meshing.build import build_solid
 from tetgan.meshing.filtering import filter_occupancy
 from tetgan.meshing.options import MeshingOptions
 
-PAPER = MeshingOptions()
+PAPER = MeshingOptions(mode="paper")
 FAR = 1.0  # a mu at which the filter keeps everything
 fixtures_are_constant = settings(
     max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]

@@ -14,6 +14,7 @@ from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.records import quality_record
 
 CELLS = 2
+PAPER = MeshingOptions(mode="paper")
 SHAPES = {
     "ball": trimesh.creation.icosphere(subdivisions=4, radius=0.4),
     "torus": trimesh.creation.torus(0.33, 0.12, major_sections=96, minor_sections=48),
@@ -33,9 +34,9 @@ class Trip:
         field = extract_field(vertices, faces, grid)
         lengths = np.linalg.norm(field.displacement, axis=1)
         mu = float(lengths[surface_tets(field.occupancy, grid.neighbors)].mean())
-        self.mesh = build_solid(field, grid, operator, mu, MeshingOptions(), smoothing=smoothing)
+        self.mesh = build_solid(field, grid, operator, mu, PAPER, smoothing=smoothing)
         still = Field(field.occupancy, np.zeros_like(field.displacement))
-        self.blocky = build_solid(still, grid, operator, mu, MeshingOptions(), smoothing=False)
+        self.blocky = build_solid(still, grid, operator, mu, PAPER, smoothing=False)
         self.surface = trimesh.Trimesh(self.mesh.vertices, self.mesh.faces, process=False)
         there, back = sample(self.surface), sample(original)
         self.distance = (distance_to(there, original).mean() + distance_to(back, self.surface).mean()) / 2

@@ -92,6 +92,22 @@ def test_valid_solids_stand_before_the_papers(tmp_path, results):
     assert [one.mode for one in find_sample_sets(tmp_path, [], 1)] == ["solid", "paper"]
 
 
+def test_a_set_tells_how_many_of_its_solids_are_valid(tmp_path, results):
+    shutil.copytree(results / "samples", tmp_path, dirs_exist_ok=True)
+    rows = "set,id,tets,valid\n" + "".join(
+        f"{kind},{number},{tets},{valid}\n"
+        for kind, number, tets, valid in (
+            ("generated", "0000", 4, True),
+            ("generated", "0001", 4, False),
+            ("generated", "0002", 0, False),  # empty
+            ("reconstructed", "a", 4, False),
+        )
+    )
+    (tmp_path / "chair/pca/0/paper/wls/certificate.csv").write_text(rows)
+    told = {one["model"]: one["validity"] for one in pack_sets(find_sample_sets(tmp_path, [], 1))}
+    assert told == {"pca": "1 of 2 valid", "tetgan-LR": ""}
+
+
 def test_a_model_without_solids_is_named(results):
     with pytest.raises(UserError, match="'absent'"):
         find_sample_sets(results / "samples", ["absent"], 2)

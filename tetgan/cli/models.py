@@ -1,7 +1,7 @@
 """Training, and meshes out of trained models."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -62,9 +62,7 @@ def sample(
     index: Annotated[Path, typer.Argument(help="Index of the fields, points or voxels it was trained on.")],
     folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
     count: Annotated[int, typer.Option(min=1, help="Shapes to generate.")] = 16,
-    mode: Annotated[
-        Literal["solid", "paper"], typer.Option(help="Valid solids, or as the paper builds them.")
-    ] = "solid",
+    mode: Annotated[str, typer.Option(help="How solids are built: solid (valid), or paper.")] = "solid",
     options: OptionsText = "{}",
     seed: Seed = 0,
     threads: Threads = 1,

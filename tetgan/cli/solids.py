@@ -1,7 +1,7 @@
 """Solid meshes of any origin: certified, and written for other programs."""
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
@@ -49,7 +49,7 @@ def export(
         ),
     ],
     msh_version: Annotated[
-        Literal["2.2", "4.1"], typer.Option(help="Version of Gmsh's format; most solvers read 2.2.")
+        str, typer.Option(help="Version of Gmsh's format, 2.2 or 4.1; most solvers read 2.2.")
     ] = "2.2",
 ) -> None:
     """Write a tet mesh, or its boundary, in the formats of other programs; a format goes by its suffix.

@@ -25,15 +25,15 @@ class Ambient:
     """A grid and its collar: a triangulated ball, of which a solid occupies tets of the grid.
 
     Around every vertex of the grid the tets close up to a ball, at the wall too, so topology needs no special
-    case there, and the vertices at the wall may move as the others do: only the outside of the collar is fixed.
+    case there, and vertices at the wall may move as the others do: only the outside of the collar is fixed.
 
     Attributes:
         vertices: (V, 3), those of the grid first.
         tets: (T, 4), those of the grid first, in its order.
         grid_tets: number of tets of the grid.
         pinned: (V,) vertices that never move: the outside of the collar.
-        guarded: (T,) tets that stay positive. All do, unless the grid is not star-shaped seen from its middle:
-            then the collar has no such geometry, and the wall is pinned instead.
+        guarded: (T,) tets that stay positive: all, unless the grid is not star-shaped seen from its middle.
+            Then the collar has no such geometry, and the wall is pinned instead.
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -106,7 +106,9 @@ def ambient_space(grid: TetGrid) -> Ambient:
 def _prism_tets(inner: Int[np.ndarray, "F 3"], outer: Int[np.ndarray, "F 3"]) -> Int[np.ndarray, "C 4"]:
     """Three positive tets between each face, seen from outside, and its copy outside it."""
     order = np.argsort(inner, axis=1)
-    corners = np.take_along_axis(np.concatenate([inner, outer], axis=1), np.hstack([order, order + 3]), axis=1)
+    corners = np.take_along_axis(
+        np.concatenate([inner, outer], axis=1), np.hstack([order, order + 3]), axis=1
+    )
     tets = corners[:, _PRISM]
     mirrored = np.linalg.det(np.eye(3)[order]) < 0
     tets[mirrored] = tets[mirrored][..., [0, 1, 3, 2]]

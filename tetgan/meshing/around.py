@@ -39,7 +39,10 @@ class Around:
     """
 
     def __init__(
-        self, members: Int[np.ndarray, "T C"], neighbors: Int[np.ndarray, "T 4"], faces: Int[np.ndarray, "C S"]
+        self,
+        members: Int[np.ndarray, "T C"],
+        neighbors: Int[np.ndarray, "T 4"],
+        faces: Int[np.ndarray, "C S"],
     ) -> None:
         """Args:
         members: the simplices of each tet.
@@ -60,7 +63,10 @@ class Around:
         return self._order[self._start[simplices][place] + offset], place
 
     def pieces(
-        self, simplices: Int[np.ndarray, "N"], occupied: Bool[np.ndarray, "M"] | None, occupancy: Bool[np.ndarray, "T"]
+        self,
+        simplices: Int[np.ndarray, "N"],
+        occupied: Bool[np.ndarray, "M"] | None,
+        occupancy: Bool[np.ndarray, "T"],
     ) -> Pieces:
         """Around each simplex, its tets sorted into pieces.
 
@@ -92,7 +98,7 @@ class Around:
 
     @cached_property
     def _beside(self) -> Int[np.ndarray, "K S"]:
-        """Corners of the same simplex in the tets across the faces that hold it; meaningless at the outside."""
+        """Corners of the same simplex across the faces that hold it; meaningless at the outside."""
         corners = self._members.shape[1]
         beside = np.empty((*self._members.shape, self._faces.shape[1]), dtype=np.int64)
         for corner, slots in enumerate(self._faces):

@@ -15,6 +15,9 @@ from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.meshing.solid import SolidChanges, SolidMesh
 
+_FAR = 4.0  # mean displacements of surface tets from the surface: beyond that every tet costs the same
+_EMPTYING = 4.0  # times what filling costs
+
 
 def build_solid(
     field: Field | VertexField,
@@ -45,7 +48,7 @@ def build_solid(
     """
     occupancy, changes = filter_occupancy(field, grid.neighbors, mu, options.gamma), SolidChanges()
     if options.mode == "solid":
-        occupancy, changes = valid_occupancy(occupancy, _reluctance(field, mu), grid, options)
+        occupancy, changes = valid_occupancy(occupancy, _reluctance(field, occupancy, mu), grid, options)
     used, compact = np.unique(grid.tets[occupancy], return_inverse=True)
     tets = compact.reshape(-1, 4)
     faces = boundary_faces(tets)
@@ -78,15 +81,19 @@ def _move_safely(
     )
 
 
-def _reluctance(field: Field | VertexField, mu: float) -> Float[np.ndarray, "T"]:
+def _reluctance(
+    field: Field | VertexField, occupancy: Bool[np.ndarray, "T"], mu: float
+) -> Float[np.ndarray, "T"]:
     """What it costs to change the occupancy of each tet: more, the further it lies from the surface.
 
-    In units of the mean displacement of surface tets, the distance from the surface plus a half, up to 4½;
-    where displacements are known at vertices alone every tet costs the same.
+    The unit is the mean displacement of surface tets; where displacements are known at vertices alone, every
+    tet counts as one away. Emptying costs a multiple: a tet filled for nothing is drawn to the surface with
+    its vertices, but where one is missing nothing else represents the shape, and its pieces may fall apart.
     """
-    if isinstance(field, VertexField):
-        return np.ones(len(field.occupancy))
-    return 0.5 + np.minimum(np.linalg.norm(field.displacement.astype(np.float64), axis=1) / mu, 4.0)
+    far = np.ones(len(occupancy))
+    if isinstance(field, Field):
+        far = np.minimum(np.linalg.norm(field.displacement.astype(np.float64), axis=1) / (mu or 1.0), _FAR)
+    return np.where(occupancy, _EMPTYING * (far + 0.5), far + 0.1)
 
 
 def _displacement_at(

@@ -62,11 +62,10 @@ def _label_by_faces(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndar
 def _label_by_vertices(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndarray, "N"]:
     corners = ambient.tets[tets]
     ends = np.repeat(corners[:, 0], 3), corners[:, 1:].ravel()
-    return _labels(*ends, len(ambient.vertices))[corners[:, 0]]
+    labels = _labels(*ends, len(ambient.vertices))[corners[:, 0]]  # of vertices, those without tets too
+    return np.unique(labels, return_inverse=True)[1]
 
 
-def _labels(
-    ends: Int[np.ndarray, "E"], others: Int[np.ndarray, "E"], count: int
-) -> Int[np.ndarray, "N"]:
+def _labels(ends: Int[np.ndarray, "E"], others: Int[np.ndarray, "E"], count: int) -> Int[np.ndarray, "N"]:
     links = sparse.coo_array((np.ones(len(ends), dtype=bool), (ends, others)), shape=(count, count))
     return connected_components(links, directed=False)[1].astype(np.int64)

@@ -1,7 +1,7 @@
 """Meshes in the formats that other programs read."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import meshio
 import numpy as np
@@ -18,14 +18,15 @@ SURFACES = (".ply", ".obj", ".stl", ".off", ".glb")
 SOLIDS = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz")
 """Formats of `write_tets` that are tested with other programs; it writes what else meshio does."""
 
-MshVersion = Literal["2.2", "4.1"]
+MSH_VERSIONS = {"2.2": "gmsh22", "4.1": "gmsh"}
+"""Of Gmsh's format, and what meshio calls them."""
 
 
-def write_mesh(path: str | Path, mesh: SolidMesh, *, msh_version: MshVersion = "2.2") -> None:
+def write_mesh(path: str | Path, mesh: SolidMesh, *, msh_version: str = "2.2") -> None:
     """Write the solid, or its boundary where the suffix is that of a surface.
 
     Raises:
-        UserError: no format has that suffix.
+        UserError: no format has that suffix, or there is no such version.
     """
     if Path(path).suffix in SURFACES:
         write_surface(path, mesh)
@@ -51,7 +52,7 @@ def write_surface(path: str | Path, mesh: SolidMesh | Soup) -> None:
             raise _unknown_format(path, "'.ply', '.obj' or '.stl'") from None
 
 
-def write_tets(path: str | Path, mesh: SolidMesh, *, msh_version: MshVersion = "2.2") -> None:
+def write_tets(path: str | Path, mesh: SolidMesh, *, msh_version: str = "2.2") -> None:
     """Write the solid, in the format of the suffix: one of `SOLIDS`, or another that meshio writes.
 
     `.npz` holds `vertices`, `tets` and `faces` as they are in memory.
@@ -60,8 +61,10 @@ def write_tets(path: str | Path, mesh: SolidMesh, *, msh_version: MshVersion = "
         msh_version: of Gmsh's format; most solvers read 2.2.
 
     Raises:
-        UserError: meshio cannot write that suffix.
+        UserError: meshio cannot write that suffix, or there is no such version.
     """
+    if msh_version not in MSH_VERSIONS:
+        raise UserError(f"{path}: no version '{msh_version}' of Gmsh's format; use 2.2 or 4.1")
     with whole_file(path) as partial:
         if Path(path).suffix == ".npz":
             np.savez_compressed(partial, vertices=mesh.vertices, tets=mesh.tets, faces=mesh.faces)
@@ -73,7 +76,7 @@ def write_tets(path: str | Path, mesh: SolidMesh, *, msh_version: MshVersion = "
             raise _unknown_format(path, "'.msh' or '.vtu'") from None
 
 
-def _for_meshio(suffix: str, mesh: SolidMesh, msh_version: MshVersion) -> tuple[meshio.Mesh, dict[str, Any]]:
+def _for_meshio(suffix: str, mesh: SolidMesh, msh_version: str) -> tuple[meshio.Mesh, dict[str, Any]]:
     """What to write, and how."""
     cells = meshio.Mesh(mesh.vertices, [("tetra", mesh.tets)])
     if suffix == ".xdmf":
@@ -83,11 +86,10 @@ def _for_meshio(suffix: str, mesh: SolidMesh, msh_version: MshVersion) -> tuple[
     # By default meshio writes Ansys files under this suffix. Gmsh wants a group for each tet.
     group = [np.ones(len(mesh.tets), dtype=np.int32)]
     cells.cell_data = {"gmsh:physical": group, "gmsh:geometrical": group}
-    if msh_version == "2.2":
-        return cells, {"file_format": "gmsh22"}
-    # Here every vertex belongs to an entity as well: the one volume.
-    cells.point_data = {"gmsh:dim_tags": np.tile(np.array([3, 1], dtype=np.int32), (len(mesh.vertices), 1))}
-    return cells, {"file_format": "gmsh"}
+    if msh_version == "4.1":  # here every vertex belongs to an entity as well: the one volume
+        one = np.array([3, 1], dtype=np.int32)
+        cells.point_data = {"gmsh:dim_tags": np.tile(one, (len(mesh.vertices), 1))}
+    return cells, {"file_format": MSH_VERSIONS[msh_version]}
 
 
 def _unknown_format(path: str | Path, remedy: str) -> UserError:

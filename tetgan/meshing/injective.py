@@ -96,7 +96,9 @@ def _band(
     )
 
 
-def _step(here: Float[np.ndarray, "3 M"], step: Float[np.ndarray, "3 M"], band: _Band) -> Float[np.ndarray, "3 M"]:
+def _step(
+    here: Float[np.ndarray, "3 M"], step: Float[np.ndarray, "3 M"], band: _Band
+) -> Float[np.ndarray, "3 M"]:
     """Here and as much of the step as leaves every tet of the band within its bounds."""
     halved = np.where((step != 0).any(axis=0), 0, _HALVINGS + 1)
     scale = (halved <= _HALVINGS).astype(np.float64)

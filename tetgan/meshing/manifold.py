@@ -68,8 +68,9 @@ def make_manifold(
 
     Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides. Of the
     changes that lower the sum of the defects, the cheapest for what they mend are made, as many at once as
-    have no vertex in common, until none is left; each round lowers the sum, so this ends. Where defects remain,
-    tets around them are emptied for good (`_pieces_to_empty`), and it goes on: at worst until all are.
+    have no vertex in common, until none is left; each round lowers the sum, so this ends. Where defects
+    remain, tets around them are emptied for good (`_tets_to_empty`), and it goes on: at worst until all are.
+    At last tets that need not have changed, seen from the end, change back.
 
     Args:
         occupancy: none of the collar.
@@ -84,7 +85,7 @@ def make_manifold(
             emptied = _tets_to_empty(np.flatnonzero(defect), occupied, ambient, cost)
             occupied[emptied], cost[emptied] = False, np.inf
             defect = boundary_defects(occupied, ambient)
-    return occupied
+    return _change_back(occupied, original, ambient, cost)
 
 
 def _mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "N"]:
@@ -102,7 +103,7 @@ def _defect(counts: Int[np.ndarray, "N 2"]) -> Int[np.ndarray, "N"]:
 def _possible_changes(
     occupied: Bool[np.ndarray, "T"], defect: Int[np.ndarray, "V"], ambient: Ambient
 ) -> _Changes:
-    """Each piece around the vertices at fault, and around the edges there that have four boundary faces or more."""
+    """Each piece around the vertices at fault, and around the edges there with four boundary faces."""
     vertices = np.flatnonzero(defect)
     at_vertices = ambient.around_vertices.pieces(vertices, None, occupied)
     own = np.unique(at_vertices.tets)
@@ -144,10 +145,12 @@ def _improve(
         numbers = np.arange(changes.number)
         some = changes.only((numbers >= start) & (numbers < start + _AT_ONCE))
         effect = _effect(some, occupied, defect, ambient)
-        chosen = _independent(some, effect, cost)
+        price = np.bincount(some.change, cost[some.tets], minlength=some.number)
+        gains = effect.gain > 0
+        price = np.divide(price, effect.gain, out=np.full(len(price), np.inf), where=gains)
+        chosen = _independent(effect, price, gains)
         if chosen.any():
-            tets = np.unique(some.tets[chosen[some.change]])
-            occupied[tets] ^= True
+            occupied[some.tets[chosen[some.change]]] ^= True
             made = chosen[effect.change]
             defect[effect.vertex[made]] = effect.defect[made]
             return True
@@ -178,19 +181,35 @@ def _contains(
     return keys[np.searchsorted(keys, wanted).clip(max=len(keys) - 1)] == wanted
 
 
-def _independent(changes: _Changes, effect: _Effect, cost: Float[np.ndarray, "T"]) -> Bool[np.ndarray, "C"]:
-    """Changes that gain, each the cheapest for its gain among all that share a vertex with it."""
-    price = np.bincount(changes.change, cost[changes.tets], minlength=changes.number)
-    gains = effect.gain > 0
-    price = np.divide(price, effect.gain, out=np.full(len(price), np.inf), where=gains)
+def _independent(
+    effect: _Effect, price: Float[np.ndarray, "C"], wanted: Bool[np.ndarray, "C"]
+) -> Bool[np.ndarray, "C"]:
+    """Wanted changes, each with the lowest price of all that share a vertex with it."""
     rank = np.empty(len(price), dtype=np.int64)
     rank[np.argsort(price, kind="stable")] = np.arange(len(price))
-    rank[~gains] = len(price)
+    rank[~wanted] = len(price)
     best = np.full(effect.vertex.max(initial=0) + 1, len(price), dtype=np.int64)
     np.minimum.at(best, effect.vertex, rank[effect.change])
     beaten = np.zeros(len(price), dtype=bool)
     beaten[effect.change[best[effect.vertex] < rank[effect.change]]] = True
-    return gains & ~beaten
+    return wanted & ~beaten
+
+
+def _change_back(
+    occupied: Bool[np.ndarray, "T"],
+    original: Bool[np.ndarray, "T"],
+    ambient: Ambient,
+    cost: Float[np.ndarray, "T"],
+) -> Bool[np.ndarray, "T"]:
+    """With single tets as they were before, the costliest first, where the boundary stays a manifold."""
+    occupied, none = occupied.copy(), np.zeros(len(ambient.vertices), dtype=np.int64)
+    while True:
+        tets = np.flatnonzero((occupied != original) & np.isfinite(cost))
+        effect = _effect(_Changes(np.arange(len(tets)), tets), occupied, none, ambient)
+        chosen = _independent(effect, -cost[tets], effect.gain == 0)
+        if not chosen.any():
+            return occupied
+        occupied[tets[chosen]] ^= True
 
 
 def _tets_to_empty(

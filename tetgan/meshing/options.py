@@ -6,7 +6,6 @@ from pydantic import Field
 
 from tetgan.options import Options
 
-
 Mode = Literal["solid", "paper"]
 
 
@@ -30,7 +29,7 @@ class MeshingOptions(Options):
         description="least dihedral angle of a solid's tets, in degrees; the lattice has 30",
     )
     min_component: float = Field(
-        0.01, ge=0, le=1, description="floating pieces of a solid below this share of its volume are dropped"
+        0.002, ge=0, le=1, description="floating pieces of a solid below this share of its volume are dropped"
     )
     rounds: int = Field(
         6, ge=1, description="times that a solid's boundary is moved towards where the field wants it"

@@ -9,14 +9,17 @@ from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
 from tetgan.meshing.boundary import Boundary
-from tetgan.meshing.certificate import certify
+from tetgan.meshing.certificate import Certificate, certify
 from tetgan.meshing.solid import SolidMesh
 from tetgan.meshing.thickness import median_thickness
 from tetgan.shapes.soup import Soup
 
 
-def quality_record(mesh: SolidMesh) -> dict[str, Any]:
+def quality_record(mesh: SolidMesh, certificate: Certificate | None = None) -> dict[str, Any]:
     """One row of the certificate of solids in the unit cube.
+
+    Args:
+        certificate: of the mesh, if it is known already.
 
     Returns:
         The columns of `Certificate`; `thickness` in cube sides (`median_thickness`); and of `SolidChanges`
@@ -25,7 +28,7 @@ def quality_record(mesh: SolidMesh) -> dict[str, Any]:
     changes = asdict(mesh.changes)
     del changes["cavities"]  # the certificate counts them in the mesh itself
     return {
-        **certify(mesh.vertices, mesh.tets).row(),
+        **(certificate or certify(mesh.vertices, mesh.tets)).row(),
         "thickness": median_thickness(mesh.vertices, mesh.faces),
         **changes,
     }

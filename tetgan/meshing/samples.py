@@ -8,6 +8,8 @@ from tetgan.fields.field import Field, VertexField
 from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.build import build_solid
+from tetgan.meshing.certificate import certify
+from tetgan.meshing.certify_files import write_certificate
 from tetgan.meshing.export import write_surface, write_tets
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.records import quality_record, surface_record
@@ -23,7 +25,7 @@ def write_solids(
     *,
     smoothing: bool,
 ) -> list[dict[str, Any]]:
-    """Write `{id}.ply` and `{id}.vtu` for each field.
+    """Write `{id}.ply`, `{id}.vtu` and its certificate, `{id}.json`, for each field.
 
     Args:
         folder: made if it does not exist.
@@ -39,10 +41,12 @@ def write_solids(
     rows = []
     for shape_id, field, columns in fields:
         mesh = build_solid(field, grid, operator, mu, options, smoothing=smoothing)
+        certificate = certify(mesh.vertices, mesh.tets)
         if len(mesh.tets):
             write_surface(folder / f"{shape_id}.ply", mesh)
             write_tets(folder / f"{shape_id}.vtu", mesh)
-        rows.append({"id": shape_id, **columns, **quality_record(mesh)})
+            write_certificate(folder / f"{shape_id}.json", certificate)
+        rows.append({"id": shape_id, **columns, **quality_record(mesh, certificate)})
     return rows
 
 

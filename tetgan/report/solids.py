@@ -11,6 +11,7 @@ from xml.etree.ElementTree import ParseError
 
 import meshio
 import numpy as np
+import pandas as pd
 from jaxtyping import Float, Int, UInt8
 
 from tetgan.errors import UserError
@@ -40,6 +41,16 @@ class SampleSet:
     mode: str
     smoothing: str
     paths: tuple[Path, ...]
+
+    @property
+    def validity(self) -> str:
+        """How many of all solids that it generated are valid, by their certificate; empty without one."""
+        try:
+            certificate = pd.read_csv(self.paths[0].parent.parent / "certificate.csv", dtype={"set": str})
+            made = certificate[(certificate["set"] == "generated") & (certificate["tets"] > 0)]
+            return f"{int(made['valid'].sum())} of {len(made)} valid"
+        except (OSError, ValueError, KeyError):
+            return ""
 
 
 def find_sample_sets(samples: Path, models: Sequence[str], count: int) -> list[SampleSet]:
@@ -101,6 +112,7 @@ def pack_sets(sets: Sequence[SampleSet], budget: int = BUDGET) -> list[dict[str,
             "seed": one.seed,
             "mode": one.mode,
             "smoothing": one.smoothing,
+            "validity": one.validity,
             "solids": solids,
         }
         for one, solids in zip(sets, packed, strict=True)

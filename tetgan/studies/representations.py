@@ -40,7 +40,7 @@ def undeformed_surface(torus: Torus, grid: TetGrid) -> Triangles:
 
 def deformed_surface(torus: Torus, grid: TetGrid) -> Triangles:
     """The same boundary, moved by the torus's own displacement field (Eq. 3)."""
-    field, options = torus.field(grid.centroids), MeshingOptions.parse({})
+    field, options = torus.field(grid.centroids), MeshingOptions(mode="paper")
     # Eq. 5 drops what a network got wrong; an exact field has nothing to drop.
     solid = build_solid(field, grid, vertex_operator(grid), np.inf, options, smoothing=False)
     return solid.vertices, solid.faces

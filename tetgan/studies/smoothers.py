@@ -73,13 +73,14 @@ VARIANTS = tuple(
 def build_variants(
     field: Field, grid: TetGrid, operator: sparse.csr_array, mu: float, options: MeshingOptions
 ) -> Mapping[Variant, SolidMesh]:
-    """Every variant of one field, all on the same tets: those that Eq. 5 leaves.
+    """Every variant of one field, all on the same tets: those that Eq. 5 leaves, as in mode `paper`.
 
     Without displacement, Eq. 4 still takes its weights from the displacement that is not applied.
 
     Args:
         grid, operator, mu, options: as `build_solid`.
     """
+    options = options.model_copy(update={"mode": "paper"})  # `solid` would smooth as far as the tets allow
     occupancy = filter_occupancy(field, grid.neighbors, mu, options.gamma)
     still, moved = (
         build_solid(Field(occupancy, by), grid, operator, np.inf, options, smoothing=False)

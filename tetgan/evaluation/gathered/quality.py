@@ -214,8 +214,8 @@ def _volume_ratio(
         if mode == "paper" or faithful is None or smoothing not in faithful.certificates:
             continue
         own, theirs = (_meshes(one, smoothing, kind) for one in (member, faithful))
-        own, theirs = own[own["tets"] > 0]["volume"], theirs[theirs["volume"] > 0]["volume"]
-        ratios += (own / theirs).dropna().tolist()
+        volumes = own.loc[own["tets"] > 0, "volume"], theirs.loc[theirs["volume"] > 0, "volume"]
+        ratios += volumes[0].div(volumes[1]).dropna().tolist()  # by id
     return float(np.median(ratios)) if ratios else None
 
 

@@ -1,0 +1,250 @@
+"""How valid solids are, what they change, and what they cost, on fields of several classes.
+
+python benchmarks/solids.py                                        noise, and exact shapes there and back
+python benchmarks/solids.py --model MODEL --index INDEX            and what a model samples and reconstructs
+python benchmarks/solids.py --index INDEX --meshes 1-of-16.zip     and repaired shapes there and back
+"""
+
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from time import process_time
+from typing import Annotated, Any, NamedTuple
+
+import igl
+import numpy as np
+import pandas as pd
+import trimesh
+import typer
+from rich.console import Console
+from rich.progress import track
+from scipy import ndimage
+
+from tetgan.fields.extract import extract_field
+from tetgan.fields.field import Field, VertexField, surface_tets
+from tetgan.fields.vertices import vertex_operator
+from tetgan.grids.grid import TetGrid
+from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.meshing.build import build_solid
+from tetgan.meshing.certificate import Certificate, certify
+from tetgan.meshing.options import MeshingOptions
+from tetgan.meshing.solid import SolidMesh
+from tetgan.shapes.archive import read_meshes
+from tetgan.shapes.soup import Soup
+
+SOLID, PAPER = MeshingOptions(), MeshingOptions(mode="paper")
+_POINTS = 5000  # of each surface, for distances
+
+
+class Case(NamedTuple):
+    """A field to mesh, the mean displacement of surface tets, and the shape it is of, if any."""
+
+    field: Field | VertexField
+    mu: float
+    shape: Soup | None = None
+
+
+def main(
+    cells: Annotated[int, typer.Option(help="cells along each side of the cube; not with --index")] = 2,
+    depth: Annotated[int, typer.Option(help="subdivisions; not with --index")] = 2,
+    count: Annotated[int, typer.Option(help="fields of each class")] = 300,
+    index: Annotated[Path | None, typer.Option(help="index of fields")] = None,
+    model: Annotated[Path | None, typer.Option(help="trained model of these fields")] = None,
+    meshes: Annotated[list[Path] | None, typer.Option(help="zips of repaired meshes")] = None,
+    only: Annotated[str, typer.Option(help="classes, with commas")] = "",
+    out: Annotated[Path | None, typer.Option(help="table (.csv) of all fields")] = None,
+) -> None:
+    """Print a summary of each class."""
+    grid, classes = build_hierarchy(cells, depth).finest, {}
+    if index is not None:
+        grid, classes = _of_store(index, model, count)
+    classes |= {"noise": noise(grid, count), "exact": exact(grid)}
+    if meshes:
+        classes["truth"] = there_and_back(grid, meshes, count)
+    tables = []
+    for name, cases in classes.items():
+        if only and name not in only.split(","):
+            continue
+        tables.append(measure(name, cases, grid))
+        typer.echo(summary(tables[-1]).to_string())
+        if out is not None:
+            pd.concat(tables).to_csv(out, index=False)
+
+
+def run(quick: bool) -> dict[str, dict[str, Any]]:
+    """Figures for the table of benchmarks: noise on the small lattice, exact shapes on the paper's LR."""
+    small = build_hierarchy(*((2, 1) if quick else (2, 2))).finest
+    large = small if quick else build_hierarchy(2, 3).finest
+    found = {}
+    for name, cases, grid in (
+        ("noise", noise(small, 6 if quick else 300), small),
+        ("exact", exact(large), large),
+    ):
+        rows = measure(name, cases, grid)
+        found |= {
+            f"solids.{name}.violations": _figure(rows["violations"].sum(), "count", 0),
+            f"solids.{name}.min_dihedral": _figure(
+                rows["min_dihedral"].min(), "degrees", 15, better="higher"
+            ),
+            f"solids.{name}.seconds": _figure(rows["seconds"].max(), "s", 1 if name == "exact" else None),
+        }
+    found["solids.exact.distance"] = _figure(rows["distance_ratio"].mean(), "of the faithful mesh's", 1)
+    return found
+
+
+def measure(name: str, cases: Iterable[Case], grid: TetGrid) -> pd.DataFrame:
+    """A row for each case: with smoothing (Eq. 4) and without, in turns."""
+    operator, rows = vertex_operator(grid), []
+    for number, case in enumerate(track(cases, description=name, console=Console(stderr=True))):
+        smoothing = bool(number % 2)
+        faithful = build_solid(case.field, grid, operator, case.mu, PAPER, smoothing=smoothing)
+        if number == 0:  # what is made once a grid
+            build_solid(case.field, grid, operator, case.mu, SOLID, smoothing=smoothing)
+        start = process_time()
+        mesh = build_solid(case.field, grid, operator, case.mu, SOLID, smoothing=smoothing)
+        seconds = process_time() - start
+        if len(mesh.tets):
+            rows.append(
+                {"class": name, "smoothing": smoothing, "seconds": seconds, **_row(mesh, faithful, case)}
+            )
+    return pd.DataFrame(rows)
+
+
+def summary(rows: pd.DataFrame) -> pd.Series:
+    """What the targets speak of."""
+    by = rows["class"].iloc[0]
+    return pd.Series(
+        {
+            "fields": len(rows),
+            "tets, median": rows["tets"].median(),
+            "inverted tets": rows["inverted"].sum(),
+            "non-manifold edges": rows["edges"].sum(),
+            "non-manifold vertices": rows["vertices"].sum(),
+            "self-intersections": rows["crossings"].sum(),
+            "meshes not valid": (~rows["valid"]).sum(),
+            "least dihedral": rows["min_dihedral"].min(),
+            "changed, median": rows["changed"].median(),
+            "changed, 95 %": rows["changed"].quantile(0.95),
+            "filled, median": rows["filled"].median(),
+            "dropped volume, mean": rows["dropped_volume"].mean(),
+            "volume ratio, median": rows["volume_ratio"].median(),
+            "distance ratio, mean": rows["distance_ratio"].mean(),
+            "distance ratio, median": rows["distance_ratio"].median(),
+            "faithful: inverted, mean": rows["faithful_inverted"].mean(),
+            "faithful: valid": rows["faithful_valid"].sum(),
+            "seconds, median": rows["seconds"].median(),
+            "seconds, most": rows["seconds"].max(),
+        },
+        name=by,
+    )
+
+
+def noise(grid: TetGrid, count: int) -> Iterator[Case]:
+    """Every tet for itself, or blobs; shares from a tenth to nine; displaced by nothing up to everything."""
+    for seed in range(count):
+        rng = np.random.default_rng(seed)
+        share, size = 0.1 * (1 + seed % 9), (0.0, 0.02, 0.1, 1.0)[seed // 9 % 4]
+        values = rng.random(len(grid.tets))
+        if seed // 36 % 2:
+            blobs = ndimage.gaussian_filter(rng.normal(size=(32, 32, 32)), 2.0)
+            values = blobs[tuple((grid.centroids * 32).astype(int).T)]
+        displacement = rng.normal(scale=size, size=(len(grid.tets), 3)).astype(np.float32)
+        yield Case(Field(values < np.quantile(values, share), displacement), 1.0)
+
+
+def exact(grid: TetGrid) -> Iterator[Case]:
+    """Shapes given by formulas, there and back, without smoothing and with."""
+    shapes = [
+        trimesh.creation.icosphere(subdivisions=4, radius=0.4),
+        trimesh.creation.torus(0.33, 0.12, major_sections=96, minor_sections=48),
+        trimesh.creation.torus(0.4, 0.05, major_sections=96, minor_sections=48),
+        trimesh.creation.box((0.83, 0.57, 0.41)),
+        trimesh.creation.box((0.96, 0.96, 0.7)),
+        trimesh.creation.box((0.9, 0.7, 0.05)),
+        trimesh.creation.cylinder(0.2, 0.9, sections=64),
+        trimesh.creation.cone(0.4, 0.8, sections=64).apply_translation((0, 0, -0.4)),
+        trimesh.creation.capsule(0.5, 0.15).apply_translation((0, 0, -0.25)),
+    ]
+    for shape in shapes:
+        soup = Soup(np.array(shape.vertices) + 0.5, np.array(shape.faces, dtype=np.int64))
+        yield from 2 * [_truth(soup, grid)]
+
+
+def there_and_back(grid: TetGrid, meshes: list[Path], count: int) -> Iterator[Case]:
+    """Fields of repaired shapes."""
+    for _, vertices, faces in [each for path in meshes for each in read_meshes(path)][:count]:
+        yield _truth(Soup(vertices.astype(np.float64), faces.astype(np.int64)), grid)
+
+
+def _truth(soup: Soup, grid: TetGrid) -> Case:
+    field = extract_field(soup.vertices, soup.faces, grid)
+    lengths = np.linalg.norm(field.displacement, axis=1)
+    surface = surface_tets(field.occupancy, grid.neighbors)
+    return Case(field, float(lengths[surface].mean()) if surface.any() else 1.0, soup)
+
+
+def _of_store(index: Path, model: Path | None, count: int) -> tuple[TetGrid, dict[str, Iterator[Case]]]:
+    """The grid of an index; and fields that a model samples, and reconstructs of validation shapes first."""
+    from tetgan.fields.store import FieldStore
+    from tetgan.models.registry import load_generator
+    from tetgan.models.sampling import generate_fields, reconstruct_fields
+
+    store = FieldStore.open(index)
+    grid = store.hierarchy.finest
+    if model is None:
+        return grid, {}
+    generator = load_generator(model, store.hierarchy)
+    ids = [*store.ids("validation"), *store.ids("train")][:count]
+    return grid, {
+        "sampled": (Case(field, store.mu) for field in generate_fields(generator, store, count, 0)),
+        "reconstructed": (Case(field, store.mu) for _, field, _ in reconstruct_fields(generator, store, ids)),
+    }
+
+
+def _row(mesh: SolidMesh, faithful: SolidMesh, case: Case) -> dict[str, Any]:
+    found, before = (certify(each.vertices, each.tets) for each in (mesh, faithful))
+    distances = [_distance(each, case.shape) for each in (mesh, faithful)] if case.shape else [np.nan, 1.0]
+    return {
+        "tets": found.tets,
+        "valid": found.valid,
+        "inverted": found.inverted_tets,
+        "edges": found.nonmanifold_edges,
+        "vertices": found.nonmanifold_vertices,
+        "crossings": found.self_intersections,
+        "violations": _violations(found),
+        "min_dihedral": found.min_dihedral,
+        "changed": mesh.changes.changed,
+        "filled": mesh.changes.tets_added / max(before.tets, 1),
+        "dropped_volume": mesh.changes.dropped_volume,
+        "cavities": found.cavities,
+        "volume_ratio": found.volume / before.volume,
+        "distance_ratio": distances[0] / distances[1],
+        "faithful_inverted": before.inverted_tets / before.tets,
+        "faithful_valid": before.valid,
+    }
+
+
+def _violations(found: Certificate) -> int:
+    return (
+        found.inverted_tets + found.nonmanifold_edges + found.nonmanifold_vertices + found.self_intersections
+    )
+
+
+def _distance(mesh: SolidMesh, shape: Soup) -> float:
+    """Mean distance between two surfaces, both ways, of points uniform by area."""
+    one, other = (mesh.vertices, mesh.faces), (shape.vertices, shape.faces)
+    return (_one_way(one, other) + _one_way(other, one)) / 2
+
+
+def _one_way(start: tuple[np.ndarray, np.ndarray], end: tuple[np.ndarray, np.ndarray]) -> float:
+    surface = trimesh.Trimesh(*start, process=False)
+    points = np.asarray(trimesh.sample.sample_surface(surface, _POINTS, seed=0)[0])
+    squared, _, _ = igl.point_mesh_squared_distance(points, *end)
+    return float(np.sqrt(squared).mean())
+
+
+def _figure(value: float, unit: str, target: float | None, better: str = "lower") -> dict[str, Any]:
+    return {"value": float(value), "unit": unit, "target": target, "better": better, "device": "cpu"}
+
+
+if __name__ == "__main__":
+    typer.run(main)
