@@ -50,7 +50,7 @@ def draw_simulation(result: Simulation, title: str) -> Figure:
     with plot_style():
         figure = Figure(figsize=(WIDTH, 0.5 * WIDTH), layout="constrained")
         left, right = figure.subplots(1, 2)
-        _show(left, rest, f"{title}\nat rest; {_loads(result)}")
+        _show(left, rest, f"{title}\nat rest, its load {_loads(result)}")
         for push in result.pushes:
             _draw_arrows(left, push, view)
         _show(right, bent, f"moves {_handy(peak, _LENGTHS)} at most,\nshown {times:,g} times larger")

@@ -113,7 +113,8 @@ def _inside(
     low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], points: Float[np.ndarray, "F 3"]
 ) -> Bool[np.ndarray, "F"]:
     slack = 1e-9 * max(1.0, float(np.abs(points).max(initial=0)))
-    return ((points >= low - slack) & (points <= high + slack)).all(axis=1)
+    inside = (points >= low - slack) & (points <= high + slack)
+    return np.asarray(inside.all(axis=1))
 
 
 def _corners(region: str) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
