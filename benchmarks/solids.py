@@ -21,6 +21,7 @@ from scipy import ndimage
 
 from tetgan.fields.extract import extract_field
 from tetgan.fields.field import Field, VertexField, surface_tets
+from tetgan.fields.store import FieldStore
 from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy
@@ -28,6 +29,8 @@ from tetgan.meshing.build import build_solid
 from tetgan.meshing.certificate import Certificate, certify
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.solid import SolidMesh
+from tetgan.models.registry import load_generator
+from tetgan.models.sampling import generate_fields, reconstruct_fields
 from tetgan.shapes.archive import read_meshes
 from tetgan.shapes.soup import Soup
 
@@ -43,7 +46,7 @@ class Case(NamedTuple):
     shape: Soup | None = None
 
 
-def main(
+def main(  # noqa: PLR0917 - options, not positions
     cells: Annotated[int, typer.Option(help="cells along each side of the cube; not with --index")] = 2,
     depth: Annotated[int, typer.Option(help="subdivisions; not with --index")] = 2,
     count: Annotated[int, typer.Option(help="fields of each class")] = 300,
@@ -184,10 +187,6 @@ def _truth(soup: Soup, grid: TetGrid) -> Case:
 
 def _of_store(index: Path, model: Path | None, count: int) -> tuple[TetGrid, dict[str, Iterator[Case]]]:
     """The grid of an index; and fields that a model samples, and reconstructs of validation shapes first."""
-    from tetgan.fields.store import FieldStore
-    from tetgan.models.registry import load_generator
-    from tetgan.models.sampling import generate_fields, reconstruct_fields
-
     store = FieldStore.open(index)
     grid = store.hierarchy.finest
     if model is None:
