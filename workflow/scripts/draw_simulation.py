@@ -23,7 +23,7 @@ def draw(samples: Path, model: str, options: SimulationOptions, out: Path) -> No
 with Path(snakemake.log[0]).open("w") as log:
     sys.stdout = sys.stderr = log
     draw(
-        Path(snakemake.input.samples),
+        Path(snakemake.input.samples[0]),
         snakemake.params.name,
         SimulationOptions.model_validate_json(snakemake.params.options),
         Path(snakemake.output.picture),
