@@ -11,7 +11,7 @@ from tetgan.models.kinds import find_kind
 
 FILES = {
     "__init__.py": "",
-    "entry.py": "import json\nfrom made_up.near import thing\n",
+    "entry.py": "import json\nfrom invented.near import thing\n",
     "near.py": "def thing():\n    from . import far\n    return far\n",
     "far.py": "import numpy\n",
     "apart.py": "",
@@ -21,7 +21,7 @@ FILES = {
 @pytest.fixture
 def package(tmp_path, monkeypatch):
     """`entry` imports `near`, which imports `far` within a function; nothing imports `apart`."""
-    folder = tmp_path / "made_up"
+    folder = tmp_path / "invented"
     folder.mkdir()
     for name, text in FILES.items():
         (folder / name).write_text(text)
@@ -30,19 +30,19 @@ def package(tmp_path, monkeypatch):
 
 
 def test_what_is_imported_counts_and_nothing_is_executed(package):
-    found = _imported(["made_up.entry"], set())
-    assert set(found) == {"made_up", "made_up.entry", "made_up.near", "made_up.far"}
-    assert "made_up" not in sys.modules
+    found = _imported(["invented.entry"], set())
+    assert set(found) == {"invented", "invented.entry", "invented.near", "invented.far"}
+    assert "invented" not in sys.modules
 
 
 @pytest.mark.parametrize(
     ("name", "counts"), [("entry.py", True), ("near.py", True), ("far.py", True), ("apart.py", False)]
 )
 def test_an_edit_counts_where_the_module_is_imported(package, name, counts):
-    before = code_digest(["made_up.entry"], ())
-    assert code_digest(["made_up.entry"], ()) == before
+    before = code_digest(["invented.entry"], ())
+    assert code_digest(["invented.entry"], ()) == before
     (package / name).write_text(FILES[name] + "# edited\n")
-    assert (code_digest(["made_up.entry"], ()) != before) == counts
+    assert (code_digest(["invented.entry"], ()) != before) == counts
 
 
 def test_a_single_module_and_one_that_is_not_there(tmp_path, monkeypatch):
@@ -53,9 +53,9 @@ def test_a_single_module_and_one_that_is_not_there(tmp_path, monkeypatch):
 
 def test_modules_that_are_named_in_part_all_count(package):
     (package / "entry.py").write_text(
-        "import importlib\ndef one(name):\n    importlib.import_module(f'made_up.{name}')\n"
+        "import importlib\ndef one(name):\n    importlib.import_module(f'invented.{name}')\n"
     )
-    assert {"made_up.near", "made_up.far", "made_up.apart"} <= set(_imported(["made_up.entry"], set()))
+    assert {"invented.near", "invented.far", "invented.apart"} <= set(_imported(["invented.entry"], set()))
 
 
 def test_every_backend_of_the_convolution_counts():
