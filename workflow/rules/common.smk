@@ -21,7 +21,7 @@ except UserError as error:
 
 SETTINGS = Config.parse(config)
 # The commands and scripts of all jobs inherit it.
-os.environ["TETGAN_PLUGINS"] = " ".join(SETTINGS.plugins)
+os.environ.update(TETGAN_PLUGINS=" ".join(SETTINGS.plugins))
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
 CAPTIONS = (
     Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "report"
