@@ -52,7 +52,7 @@ def test_it_is_made_and_an_edit_makes_it_again_but_nothing_else(smoked, with_mod
     measured = json.loads((project.folder / target).read_text())
     assert (measured["model"], measured["grid"], measured["simplified"]) == ("linear", "LR", False)
     folder = project.folder / "results/smoke/samples/chair/linear/0/paper"
-    assert {path.name for path in folder.iterdir()} == {"none", "wls", "about.json"}
+    assert {"none", "wls", "about.json"} <= {path.name for path in folder.iterdir()}
     others = ("results/smoke/figures/chair/samples.png", "results/smoke/samples/chair/pca-16/0/paper")
     assert planned(project.snakemake("-n", target, *others, *configs)) == {}
     write_module(project.folder, MODULE.replace("mse_loss", "l1_loss"))
