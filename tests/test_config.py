@@ -193,6 +193,16 @@ def test_an_entry_of_another_kind_drops_what_the_default_said_of_its_own():
         load_config(values)
 
 
+def test_nothing_of_the_paper_configuration_is_smaller_than_the_paper():
+    values = copy.deepcopy(DEFAULT)
+    update_config(values, yaml.safe_load((ROOT / "config" / "paper.yaml").read_text()))
+    config = Config.parse(load_config(values))
+    assert {name: config.reductions(name) for name in config.models if config.reductions(name)} == {}
+    for name in ("occnet", "shapegan-gan", "shapegan-vae"):  # as public, to the last option
+        own, public = config.training_of(name), type(config.training_of(name))()
+        assert own == public.model_copy(update={"validate_every": own.validate_every})
+
+
 def test_reductions_name_what_is_smaller_than_in_the_paper():
     config = Config.parse(changed(models={"m": {"kind": "tetgan", "grid": "LR", "width": 16}}))
     assert "width 16 (paper 64)" in config.reductions("m")
