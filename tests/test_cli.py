@@ -86,6 +86,8 @@ def test_help_imports_nothing_heavy():
         (["nearest", "absent.zip", "out.csv", "--catalogue", "absent.csv"], ["absent.csv"]),
         (["evaluate", "absent", "absent", "--out", "report.json"], ["absent", "no such folder"]),
         (["evaluate", "a", "b", "--out", "report.json", "--options", "{point: 3}"], ["point", "points"]),
+        (["simulate", "absent.vtu"], ["error: absent.vtu: no such file"]),
+        (["resolution", "resolution.csv", "resolution.png"], ["resolution.csv", "another folder"]),
         (["sample", "absent", "absent.json", "out", "--mode", "smooth"], ["mode", "'paper'", "smooth"]),
     ],
 )

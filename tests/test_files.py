@@ -2,7 +2,8 @@
 
 import pytest
 
-from tetgan.files import whole_file, whole_folder
+from tetgan.errors import UserError
+from tetgan.files import check_suffix, whole_file, whole_folder
 
 
 def test_a_file_appears_only_when_the_block_ends(tmp_path):
@@ -23,6 +24,21 @@ def test_an_error_keeps_the_older_file_and_leaves_no_rest(tmp_path):
         raise RuntimeError
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
+
+
+def test_an_error_of_the_system_names_the_file_that_was_asked_for(tmp_path):
+    target = tmp_path / "folder"
+    target.mkdir()
+    (target / "inside").touch()
+    with pytest.raises(OSError, match="folder") as told, whole_file(target) as partial:
+        partial.write_text("new")
+    assert told.value.filename == str(target)
+
+
+def test_another_suffix_is_told_with_those_that_there_are():
+    check_suffix("deep/table.CSV", "a table", ".csv")
+    with pytest.raises(UserError, match=r"^a/b\.txt: a figure is written as \.png or \.pdf; change"):
+        check_suffix("a/b.txt", "a figure", ".png", ".pdf")
 
 
 def test_a_folder_replaces_an_older_one_only_when_whole(tmp_path):

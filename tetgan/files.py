@@ -6,13 +6,25 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from tetgan.errors import UserError
+
+
+def check_suffix(path: str | Path, what: str, *suffixes: str) -> None:
+    """Say in which formats a thing is written, before it is made.
+
+    Raises:
+        UserError: the path has another suffix.
+    """
+    if Path(path).suffix.lower() not in suffixes:
+        raise UserError(f"{path}: {what} is written as {' or '.join(suffixes)}; change the suffix")
+
 
 @contextmanager
 def whole_file(path: str | Path) -> Iterator[Path]:
     """Write to the yielded temporary name; `path` appears only when the block ends without an error.
 
     The temporary name stands in the same folder, so the rename is atomic, and keeps the suffix, so that
-    writers which choose a format by suffix still work.
+    writers which choose a format by suffix still work. Errors of the system name `path`.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -20,6 +32,10 @@ def whole_file(path: str | Path) -> Iterator[Path]:
     try:
         yield partial
         partial.replace(path)
+    except OSError as error:
+        if str(error.filename) == str(partial):
+            error.filename = str(path)
+        raise
     finally:
         partial.unlink(missing_ok=True)
 

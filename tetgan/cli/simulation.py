@@ -13,7 +13,9 @@ PANEL = "Solids"
 
 @app.command(rich_help_panel=PANEL)
 def simulate(
-    mesh: Annotated[Path, typer.Argument(help="Tet mesh: .vtu, .msh, or any format of meshio.")],
+    mesh: Annotated[
+        Path, typer.Argument(dir_okay=False, help="Tet mesh: .vtu, .msh, or any format of meshio.")
+    ],
     material: Annotated[
         str, typer.Option(help="pinewood, steel, rubber, or '{young: 1e10, poisson: 0.3, density: 500}'.")
     ] = "pinewood",
@@ -38,9 +40,11 @@ def simulate(
     reach: Annotated[float, typer.Option(help="Depth of a side, over the mesh's longest extent.")] = 0.05,
     largest: Annotated[bool, typer.Option(help="Simulate the largest piece alone.")] = False,
     out: Annotated[
-        Path | None, typer.Option(help="Mesh (.vtu) to write, with displacement and stress.")
+        Path | None, typer.Option(help="Mesh (.vtu, .vtk) to write, with displacement and stress.")
     ] = None,
-    figure: Annotated[Path | None, typer.Option(help="Picture (.png) to write.")] = None,
+    figure: Annotated[
+        Path | None, typer.Option(help="Picture (.png) to write; its data (.csv) stand beside it.")
+    ] = None,
 ) -> None:
     """Bend a solid: displacement and von Mises stress under loads, by linear elasticity.
 
@@ -50,12 +54,18 @@ def simulate(
     from rich.console import Console
     from rich.table import Table
 
+    from tetgan.files import check_suffix
+    from tetgan.rendering.style import FIGURES
     from tetgan.studies.elasticity.figure import write_figure
     from tetgan.studies.elasticity.options import LoadCase, Material, read_material
     from tetgan.studies.elasticity.pieces import largest_piece
-    from tetgan.studies.simulation import read_body, readable_record, write_simulation
+    from tetgan.studies.simulation import BODIES, read_body, readable_record, write_simulation
     from tetgan.studies.simulation import simulate as run
 
+    if out is not None:
+        check_suffix(out, "a simulated mesh", *BODIES)
+    if figure is not None:
+        check_suffix(figure, "a figure", *FIGURES)
     numbers = material.lstrip().startswith("{")
     values = {
         "material": read_options(Material, material, "--material") if numbers else read_material(material),
@@ -67,8 +77,8 @@ def simulate(
     }
     values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}
     case = LoadCase.parse(values, "simulate")
+    solid = read_body(mesh)
     try:
-        solid = read_body(mesh)
         result = run(largest_piece(solid) if largest else solid, case)
     except UserError as error:
         raise UserError(f"{mesh}: {error}") from None

@@ -41,7 +41,7 @@ def certify(
 
 @app.command(rich_help_panel=PANEL)
 def export(
-    mesh: Annotated[Path, typer.Argument(help="Tet mesh in any format that can be read.")],
+    mesh: Annotated[Path, typer.Argument(dir_okay=False, help="Tet mesh in any format that can be read.")],
     outputs: Annotated[
         list[Path],
         typer.Argument(

@@ -109,7 +109,7 @@ def resolution(
 ) -> None:
     """Measure how fine tets and voxels must be to represent a torus equally well.
 
-    Example: `tetgan resolution resolution.csv resolution.png`
+    Example: `tetgan resolution tables/resolution.csv figures/resolution.png`
     """
     limit_libigl(threads)
     from tetgan.studies.options import ResolutionOptions

@@ -6,11 +6,16 @@ from typing import Any
 
 import pandas as pd
 
-from tetgan.files import whole_file
+from tetgan.files import check_suffix, whole_file
 
 
 def write_twins(table: pd.DataFrame, text: str, out: Path) -> None:
-    """Write the table as CSV, and its text beside it with the suffix `.md`."""
+    """Write the table as CSV, and its text beside it with the suffix `.md`.
+
+    Raises:
+        UserError: `out` is no `.csv`.
+    """
+    check_suffix(out, "a table", ".csv")
     with whole_file(out) as partial:
         table.to_csv(partial, index=False)
     with whole_file(out.with_suffix(".md")) as partial:

@@ -10,12 +10,14 @@ import matplotlib as mpl
 import pandas as pd
 from matplotlib.figure import Figure
 
-from tetgan.files import whole_file
+from tetgan.files import check_suffix, whole_file
 
 WIDTH = 7.2  # inches
 COLORS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#7A5195", "#444444")
 """Okabe and Ito's, without the yellow that is too pale for lines."""
 DASHES = ("-", "--", "-.", ":")
+FIGURES = (".png", ".pdf", ".svg")
+"""Formats of a plot."""
 _STYLE: dict[Any, Any] = {
     "figure.dpi": 200,
     "figure.facecolor": "white",
@@ -55,8 +57,13 @@ def line_styles(names: list[str]) -> dict[str, dict[str, Any]]:
 
 
 def save_plot(path: str | Path, figure: Figure, data: pd.DataFrame) -> None:
-    """Write a plot, and the numbers behind it as `.csv` beside it."""
+    """Write a plot, and the numbers behind it as `.csv` beside it.
+
+    Raises:
+        UserError: the suffix is none of `FIGURES`.
+    """
     path = Path(path)
+    check_suffix(path, "a figure", *FIGURES)
     with whole_file(path) as partial:
         figure.savefig(partial, metadata=_undated(path))
     with whole_file(path.with_suffix(".csv")) as partial:

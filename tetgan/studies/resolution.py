@@ -12,8 +12,10 @@ from jaxtyping import Float, Int
 from rich.console import Console
 from rich.progress import track
 
-from tetgan.files import whole_file
+from tetgan.errors import UserError
+from tetgan.files import check_suffix, whole_file
 from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.rendering.style import FIGURES
 from tetgan.shapes.sampling import sample_surface
 from tetgan.studies.convergence import summarise
 from tetgan.studies.options import ResolutionOptions
@@ -51,7 +53,14 @@ def study_resolution(options: ResolutionOptions, table: Path, figure: Path) -> N
     Args:
         table: `.csv` of a row a representation; a `.md` twin for people stands beside it.
         figure: `.png`; every measurement that it shows stands beside it as `.csv`.
+
+    Raises:
+        UserError: both would write one file, or have another suffix.
     """
+    check_suffix(table, "a table", ".csv")
+    check_suffix(figure, "a figure", *FIGURES)
+    if table == figure.with_suffix(".csv"):
+        raise UserError(f"{table}: also the name of the figure's data; put the figure in another folder")
     torus = Torus(**options.torus.model_dump())
     curves = measure_curves(torus, options)
     summary = summarise(curves, options.reference_cells)

@@ -11,7 +11,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from tetgan.errors import UserError
-from tetgan.files import whole_file
+from tetgan.files import check_suffix, whole_file
 from tetgan.grids.grid import tet_volumes
 from tetgan.meshing.orientation import orientations
 from tetgan.meshing.reading import read_solid
@@ -40,6 +40,8 @@ from tetgan.studies.elasticity.regions import (
 from tetgan.studies.elasticity.solve import DIRECT_BELOW, Solution, solve
 
 GRAVITY = 9.81  # m/s^2
+BODIES = (".vtu", ".vtk")
+"""Formats that hold a mesh and what was found on it."""
 
 
 class Push(NamedTuple):
@@ -253,8 +255,9 @@ def write_simulation(path: Path, result: Simulation) -> None:
     """Write the mesh at rest, in metres, with `displacement` and `von_mises` on it, as the suffix says.
 
     Raises:
-        UserError: meshio cannot write that suffix.
+        UserError: the suffix is none of `BODIES`.
     """
+    check_suffix(path, "a simulated mesh", *BODIES)
     mesh = meshio.Mesh(
         result.vertices * result.size,
         [("tetra", result.tets)],
@@ -262,10 +265,7 @@ def write_simulation(path: Path, result: Simulation) -> None:
         cell_data={"von_mises": [result.stress]},
     )
     with whole_file(path) as partial:
-        try:
-            meshio.write(partial, mesh)
-        except (meshio.ReadError, meshio.WriteError):
-            raise UserError(f"{path}: no mesh format '{path.suffix}' to write; use '.vtu'") from None
+        meshio.write(partial, mesh, file_format=path.suffix.lower().removeprefix("."))
 
 
 def readable_record(result: Simulation) -> dict[str, str]:

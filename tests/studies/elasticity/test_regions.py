@@ -70,7 +70,7 @@ def test_supports_and_loads_read_as_they_are_written():
     assert parse_load("0,0,0:1,1,1=1,-2e1,.5N") == Load("0,0,0:1,1,1", (1.0, -20.0, 0.5))
 
 
-@pytest.mark.parametrize("text", ["top", "top=500", "=5N", "top=1,2N", "top=fiveN", "top=nanN"])
+@pytest.mark.parametrize("text", ["top", "top=500", "=5N", "top=1,2N", "top=fiveN", "top=nanN", "top=1e400N"])
 def test_what_is_no_load_is_named(text):
     with pytest.raises(UserError, match=f"load: '{text}'"):
         parse_load(text)

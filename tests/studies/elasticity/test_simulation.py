@@ -121,8 +121,8 @@ def test_the_file_holds_what_was_found(result, tmp_path):
     assert np.array_equal(mesh.point_data["displacement"], result.displacement)
     assert np.array_equal(mesh.cell_data["von_mises"][0], result.stress)
     assert len(mesh.point_data["von_mises"]) == len(mesh.points)
-    with pytest.raises(UserError, match=r"no mesh format '\.abc'"):
-        write_simulation(tmp_path / "bent.abc", result)
+    with pytest.raises(UserError, match=r"bent\.stl: .* written as \.vtu or \.vtk"):  # which holds no tets
+        write_simulation(tmp_path / "bent.stl", result)
 
 
 def test_the_command_writes_a_mesh_a_picture_and_a_table(bar, tmp_path):
@@ -146,6 +146,9 @@ def test_the_command_writes_a_mesh_a_picture_and_a_table(bar, tmp_path):
         (["--load", "top=heavy"], "load: 'top=heavy'"),
         (["--size", "0"], "size"),
         (["--order", "3"], "order"),
+        (["--out", "bent.stl"], r"bent\.stl: .* written as \.vtu"),
+        (["--figure", "bent.xyz"], r"bent\.xyz: a figure is written as \.png"),
+        (["--fix", "flor"], r"^\S+bar\.vtu: region 'flor'"),
     ],
 )
 def test_a_mistake_is_named(bar, tmp_path, extra, words):

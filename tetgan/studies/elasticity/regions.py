@@ -74,6 +74,8 @@ def parse_load(text: str) -> Load:
     if not region or found is None:
         raise UserError(f"load: '{text}' is not of the form 'top=500N' or 'left=200,0,-50N'")
     values = np.array([float(number) for number in found[1].split(",")]) * (1000 if found[2] else 1)
+    if not np.isfinite(values).all():
+        raise UserError(f"load: '{text}' is larger than any number; give a smaller one")
     x, y, z = (values if len(values) == 3 else values[0] * np.array(DOWN)).tolist()
     return Load(region, (x, y, z))
 
