@@ -25,16 +25,18 @@ class Material(Options):
 MATERIALS = {
     "pinewood": Material(young=11.2e9, poisson=0.33, density=515),
     "steel": Material(young=210e9, poisson=0.3, density=7850),
-    "rubber": Material(young=2.0e6, poisson=0.49, density=930),
+    "rubber": Material(young=1.5e6, poisson=0.49, density=950),
 }
 """Presets.
 
-pinewood: red pine at 12 % moisture along the grain, taken as isotropic: Forest Products Laboratory, Wood
-Handbook (FPL-GTR-190, 2010), chapter 5: modulus 11.2 GPa in static bending and specific gravity 0.46 (of its
-oven-dry mass, so 1.12 times that with its water); Poisson's ratio is the mean of LR (0.347) and LT (0.315).
-steel: structural steel, EN 1993-1-1:2005, 3.2.6; density by EN 1991-1-1:2002, table A.4.
-rubber: natural rubber at small strain, within the ranges of Ashby, Materials Selection in Mechanical Design
-(4th edition, 2011), appendix A. Its ratio, 0.4999, is taken as 0.49.
+pinewood: red pine at 12 % moisture along the grain, taken as isotropic. Forest Products Laboratory, Wood
+Handbook (FPL-GTR-190, 2010): modulus of elasticity 11.2 GPa and specific gravity 0.46, table 5-3a (the
+modulus from bending, so a tenth below that along the grain by its footnote; the gravity of the oven-dry
+mass, so 1.12 times that with its water); Poisson's ratio the mean of LR (0.347) and LT (0.315), table 5-2.
+Across the grain it has 0.044 and 0.088 of that modulus, table 5-1, which is neglected.
+steel: structural steel, EN 1993-1-1:2005, 3.2.6; unit weight 77.0 kN/m^3 by EN 1991-1-1:2002, table A.4.
+rubber: vulcanised natural rubber at small strain, MatWeb's datasheet of that name: shear modulus 0.5 MPa, a
+third of Young's, and 950 kg/m^3. It keeps its volume, so its ratio is all but 0.5; taken as 0.49.
 """
 
 
