@@ -20,7 +20,8 @@ def read_caption(
 ) -> Markup:
     """Caption from the first of `{folder}/{name}.rst` that exists; empty where none does.
 
-    The files are templates that may use `snakemake.wildcards` and `snakemake.config`. Of reStructuredText
+    The files are templates that may use `snakemake.wildcards` and `snakemake.config`; what these lack stays
+    empty. Of reStructuredText
     only what Markdown shares is understood: paragraphs, lists, emphasis and ``literals``.
 
     Raises:

@@ -74,8 +74,8 @@ def _place(path: Path, categories: Sequence[str]) -> tuple[int, str]:
 
 
 def _caption(path: Path, folder: Path, captions: Path | None, config: Mapping[str, Any]) -> Markup:
-    wildcards = {"category": _category(path, folder), "name": path.stem}
-    return read_caption(captions, [path.stem], wildcards, config)
+    category = _category(path, folder)
+    return read_caption(captions, [path.stem], {"category": category} if category else {}, config)
 
 
 def _category(path: Path, folder: Path) -> str:

@@ -46,7 +46,9 @@ def read_tables(
         Table(
             name=path.stem,
             path=path.relative_to(results).as_posix(),
-            caption=read_caption(captions, _caption_names(path.stem, categories), _wildcards(path), config),
+            caption=read_caption(
+                captions, _caption_names(path.stem, categories), _wildcards(path.stem, categories), config
+            ),
             html=_shown(path),
             csv=data_uri(path.read_bytes(), "text/csv"),
         )
@@ -67,8 +69,11 @@ def _caption_names(name: str, categories: Sequence[str]) -> list[str]:
     return [name, "supplement"] if name in _SUPPLEMENT else [name]
 
 
-def _wildcards(path: Path) -> dict[str, str]:
-    return {"category": path.stem, "name": path.stem}
+def _wildcards(name: str, categories: Sequence[str]) -> dict[str, str]:
+    """Those of the job that made the table."""
+    if name in categories:
+        return {"category": name}
+    return {"figure": name} if name in _SUPPLEMENT else {}
 
 
 def _shown(path: Path) -> Markup:
