@@ -1,9 +1,12 @@
-"""Novelty: copies are found, and score what sampling costs."""
+"""Novelty: copies are found, and score what sampling costs; both searches find what a plain one does."""
+
+import math
 
 import numpy as np
 import pytest
 
-from tetgan.evaluation.novelty import nearest_training
+from tetgan.evaluation.chamfer import SurfaceSample, chamfer
+from tetgan.evaluation.novelty import find_nearest, nearest_training
 from tetgan.evaluation.pairwise import chamfer_between
 
 
@@ -42,3 +45,37 @@ def test_measuring_every_shape_finds_the_same():
     got = nearest_training(found, training)
     np.testing.assert_array_equal(got.shape, distances.argmin(1))
     np.testing.assert_allclose(got.distance, distances.min(1), atol=1e-6)
+
+
+def test_both_searches_find_the_same():
+    rng = np.random.default_rng(0)
+    clouds = np.array([cloud(rng, 600).points for _ in range(40)])
+    table = nearest_training(clouds[:6], clouds[6:])
+    samples = [SurfaceSample(points, points) for points in clouds]
+    figure = [find_nearest(shape, samples[6:]) for shape in samples[:6]]
+    assert [row for row, _ in figure] == table.shape.tolist()
+    np.testing.assert_allclose([distance for _, distance in figure], table.distance, atol=1e-6)
+
+
+def cloud(rng: np.random.Generator, points: int) -> SurfaceSample:
+    """Points in a box of some size and place."""
+    size, place = rng.uniform(0.2, 0.5, 3), rng.uniform(0, 0.3, 3)
+    inside = place + size * rng.random((points, 3))
+    return SurfaceSample(inside, np.tile([0.0, 0, 1], (points, 1)))
+
+
+@pytest.mark.parametrize("points", [100, 3000])
+def test_it_finds_what_a_plain_search_finds(points):
+    rng = np.random.default_rng(points)
+    candidates = [cloud(rng, points) for _ in range(12)]
+    for _ in range(4):
+        shape = cloud(rng, points)
+        plain = [chamfer(shape, candidate) for candidate in candidates]
+        assert find_nearest(shape, candidates) == (int(np.argmin(plain)), min(plain))
+
+
+def test_nothing_is_nearest_to_nothing():
+    rng = np.random.default_rng(0)
+    row, distance = find_nearest(None, [cloud(rng, 100)])
+    assert row is None and math.isnan(distance)
+    assert find_nearest(cloud(rng, 100), [])[0] is None

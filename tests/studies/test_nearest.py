@@ -1,6 +1,4 @@
-"""Nearest training shapes against a plain search, and against what must be so."""
-
-import math
+"""The table of nearest training shapes, against what must be so."""
 
 import numpy as np
 import pandas as pd
@@ -8,35 +6,10 @@ import pytest
 import trimesh
 
 from tetgan.errors import UserError
-from tetgan.evaluation.chamfer import SurfaceSample, chamfer
 from tetgan.studies.figure_options import NearestOptions
-from tetgan.studies.nearest import find_nearest, write_nearest
+from tetgan.studies.nearest import write_nearest
 
 OPTIONS = NearestOptions(points=3000)
-
-
-def cloud(rng: np.random.Generator, points: int) -> SurfaceSample:
-    """Points in a box of some size and place."""
-    size, place = rng.uniform(0.2, 0.5, 3), rng.uniform(0, 0.3, 3)
-    inside = place + size * rng.random((points, 3))
-    return SurfaceSample(inside, np.tile([0.0, 0, 1], (points, 1)))
-
-
-@pytest.mark.parametrize("points", [100, 3000])
-def test_it_finds_what_a_plain_search_finds(points):
-    rng = np.random.default_rng(points)
-    candidates = [cloud(rng, points) for _ in range(12)]
-    for _ in range(4):
-        shape = cloud(rng, points)
-        plain = [chamfer(shape, candidate) for candidate in candidates]
-        assert find_nearest(shape, candidates) == (int(np.argmin(plain)), min(plain))
-
-
-def test_nothing_is_nearest_to_nothing():
-    rng = np.random.default_rng(0)
-    row, distance = find_nearest(None, [cloud(rng, 100)])
-    assert row is None and math.isnan(distance)
-    assert find_nearest(cloud(rng, 100), [])[0] is None
 
 
 def stage(project, out, samples, options=OPTIONS) -> pd.DataFrame:

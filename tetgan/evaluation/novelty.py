@@ -1,16 +1,30 @@
-"""How far generated shapes lie from what the model has seen."""
+"""How far generated shapes lie from what the model has seen.
 
+The same question is asked in two ways. A table asks it of whole sets, each shape with a few hundred points:
+there all distances at once, in single precision and on a GPU, are quickest. A figure asks it of some samples
+with every point: there trees are, and most candidates are dismissed before they are measured. Of 60
+candidates the nearest takes 10 ms and 29 ms of a core with 512 points, 11.6 s and 0.13 s with 10,000.
+"""
+
+import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
 
+from tetgan.evaluation.chamfer import SurfaceSample, chamfer, nearest
 from tetgan.evaluation.pairwise import chamfer_between, chamfer_selected
 
 # A quarter of the points costs a sixteenth and orders shapes nearly as all of them do: the nearest is among
 # so many candidates unless that many shapes are nearly as near, and then it makes no difference.
 _PART = 4
 _CANDIDATES = 24
+
+# Points of each surface by which far candidates are dismissed, round by round, and how many standard errors
+# a candidate must lie behind the best one to be so.
+_PROBES = (256, 2048)
+_ERRORS = 5.0
 
 
 class Nearest(NamedTuple):
@@ -39,3 +53,34 @@ def nearest_training(found: Float[np.ndarray, "N P 3"], training: Float[np.ndarr
 
 def _few(clouds: Float[np.ndarray, "N P 3"]) -> int:
     return max(1, clouds.shape[1] // _PART)
+
+
+def find_nearest(
+    shape: SurfaceSample | None, candidates: Sequence[SurfaceSample]
+) -> tuple[int | None, float]:
+    """The candidate at the smallest Chamfer distance, and that distance; none and nan for no shape.
+
+    Most candidates are dismissed by a part of the points: the points of a sample are in random order, so the
+    first of them estimate the distance without bias.
+    """
+    if shape is None or not len(candidates):
+        return None, math.nan
+    rows = list(range(len(candidates)))
+    for probes in _PROBES:
+        if len(rows) > 1 and probes < len(shape.points):
+            estimates = [_estimate(shape, candidates[row], probes) for row in rows]
+            middle, error = np.array(estimates).T
+            near = middle - _ERRORS * error <= (middle + _ERRORS * error).min()
+            rows = [row for row, kept in zip(rows, near, strict=True) if kept]
+    distances = [chamfer(shape, candidates[row]) for row in rows]
+    best = int(np.argmin(distances))
+    return rows[best], distances[best]
+
+
+def _estimate(first: SurfaceSample, second: SurfaceSample, probes: int) -> tuple[float, float]:
+    """Chamfer distance from some of the points, and its standard error."""
+    squares = [
+        nearest(source.points[:probes], target)[0] ** 2
+        for source, target in ((first, second), (second, first))
+    ]
+    return sum(s.mean() for s in squares), math.sqrt(sum(s.var() / len(s) for s in squares))

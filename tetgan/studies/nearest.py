@@ -1,18 +1,16 @@
 """Stage: the training shape nearest to each sample, which tells what is new from what is remembered."""
 
-import logging
-import math
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
-from tetgan.evaluation.chamfer import SurfaceSample, chamfer, nearest
+from tetgan.evaluation.chamfer import SurfaceSample
+from tetgan.evaluation.novelty import find_nearest
 from tetgan.evaluation.seeds import named_seed
 from tetgan.evaluation.surfaces import Surface, draw_sample, read_surface
 from tetgan.evaluation.threads import map_threads
@@ -22,13 +20,6 @@ from tetgan.shapes.archive import read_meshes
 from tetgan.shapes.catalogue import read_catalogue
 from tetgan.shapes.loading import MESH_SUFFIXES
 from tetgan.studies.figure_options import NearestOptions
-
-log = logging.getLogger(__name__)
-
-# Points of each surface by which far candidates are dismissed, round by round, and how many standard errors
-# a candidate must lie behind the best one to be so.
-_PROBES = (256, 2048)
-_ERRORS = 5.0
 
 
 def write_nearest(
@@ -74,37 +65,6 @@ def write_nearest(
     ]
     with whole_file(out) as partial:
         pd.DataFrame(rows, columns=["id", "nearest", "chamfer"]).to_csv(partial, index=False)
-
-
-def find_nearest(
-    shape: SurfaceSample | None, candidates: Sequence[SurfaceSample]
-) -> tuple[int | None, float]:
-    """The candidate at the smallest Chamfer distance, and that distance; none and nan for no shape.
-
-    Most candidates are dismissed by a part of the points: the points of a sample are in random order, so the
-    first of them estimate the distance without bias.
-    """
-    if shape is None or not len(candidates):
-        return None, math.nan
-    rows = list(range(len(candidates)))
-    for probes in _PROBES:
-        if len(rows) > 1 and probes < len(shape.points):
-            estimates = [_estimate(shape, candidates[row], probes) for row in rows]
-            middle, error = np.array(estimates).T
-            near = middle - _ERRORS * error <= (middle + _ERRORS * error).min()
-            rows = [row for row, kept in zip(rows, near, strict=True) if kept]
-    distances = [chamfer(shape, candidates[row]) for row in rows]
-    best = int(np.argmin(distances))
-    return rows[best], distances[best]
-
-
-def _estimate(first: SurfaceSample, second: SurfaceSample, probes: int) -> tuple[float, float]:
-    """Chamfer distance from some of the points, and its standard error."""
-    squares = [
-        nearest(source.points[:probes], target)[0] ** 2
-        for source, target in ((first, second), (second, first))
-    ]
-    return sum(s.mean() for s in squares), math.sqrt(sum(s.var() / len(s) for s in squares))
 
 
 def _real(meshes: Sequence[Path], split: dict[str, str], name: str) -> Iterator[tuple[str, Surface | None]]:

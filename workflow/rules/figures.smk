@@ -101,7 +101,7 @@ rule find_nearest:
         mem_mb=3000,
     params:
         options=section("nearest"),
-        code=stage_digest("studies/nearest"),
+        code=stage_digest("evaluation/novelty", "studies/nearest"),
     shell:
         "tetgan nearest {input.meshes:q} {output.table:q} --catalogue {input.catalogue:q}"
         " --samples {input.samples:q} --options {params.options:q} --threads {threads} >{log:q} 2>&1"
@@ -124,7 +124,7 @@ rule find_nearest_real:
         mem_mb=3000,
     params:
         options=section("nearest"),
-        code=stage_digest("studies/nearest"),
+        code=stage_digest("evaluation/novelty", "studies/nearest"),
     shell:
         "tetgan nearest {input.meshes:q} {output.table:q} --catalogue {input.catalogue:q}"
         " --options {params.options:q} --threads {threads} >{log:q} 2>&1"
