@@ -14,7 +14,7 @@ from tetgan.report.figures import read_figures
 from tetgan.report.tables import read_tables
 
 WORKFLOW = Path(__file__).parent.parent.parent / "workflow"
-CONFIG = {"categories": ["chair", "vase"]}
+CONFIG = {"categories": ["chair", "vase"], "modes": ["paper", "solid"], "meshing": {"mode": "solid"}}
 NAMES = re.compile(r'"<results>/figures/(\S+?)\.png"')
 
 
@@ -34,7 +34,7 @@ def test_every_table_has_its_own_caption(tmp_path):
     assert shown.keys() == {*TABLES, "chair"} and all(shown.values())
     assert shown["variety"].startswith("<p>variety of benches")
     assert "on chair:" in shown["ablation"] and "every model of chair" in shown["chair"]
-    assert shown["simulation"].startswith("<p>Samples of each model under one load")
+    assert shown["simulation"].startswith("<p>Samples of each model, smoothed")
 
 
 def test_every_figure_has_its_own_caption(tmp_path):
@@ -46,4 +46,6 @@ def test_every_figure_has_its_own_caption(tmp_path):
         Image.new("RGB", (2, 2)).save(tmp_path / f"figures/{name}.png")
     shown = {one.path: one.caption for one in read_figures(tmp_path, ["vase"], WORKFLOW / "report", CONFIG)}
     assert len(shown) == len(names) and all(shown.values())
+    assert "mode <code>solid</code>, smoothed" in shown["figures/vase/samples.png"]
+    assert "mode <code>paper</code> where" in shown["figures/vase/comparison.png"]
     assert "A generated vase at rest" in shown["figures/vase/simulation.png"]
