@@ -64,10 +64,7 @@ def write_ablation(
     Raises:
         UserError: no model's metrics, or metrics of another category.
     """
-    reports = read_reports(metrics, out)
-    for path, report in zip(metrics, reports, strict=True):
-        if report["category"] != category:
-            raise UserError(f"{path}: metrics of '{report['category']}', not of '{category}'")
+    reports = read_reports(metrics, out, category)
     if all(report["model"] == "real" for report in reports):
         raise UserError(f"{out}: no models to compare; name them in the config under 'ablation'")
     table = build_ablation(reports, read_paper(paper), category, changes)

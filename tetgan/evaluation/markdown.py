@@ -19,7 +19,7 @@ def write_twins(table: pd.DataFrame, text: str, out: Path) -> None:
     with whole_file(out) as partial:
         table.to_csv(partial, index=False)
     with whole_file(out.with_suffix(".md")) as partial:
-        partial.write_text(text)
+        partial.write_text(text, encoding="utf-8")
 
 
 def page(title: str, *parts: str, notes: Sequence[str]) -> str:

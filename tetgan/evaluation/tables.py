@@ -75,10 +75,7 @@ def write_table(metrics: Sequence[Path], paper: Path, category: str, out: Path) 
     Raises:
         UserError: no metrics, or metrics of another category.
     """
-    reports = read_reports(metrics, out)
-    for path, report in zip(metrics, reports, strict=True):
-        if report["category"] != category:
-            raise UserError(f"{path}: metrics of '{report['category']}', not of '{category}'")
+    reports = read_reports(metrics, out, category)
     table = build_table(reports, read_paper(paper), category)
     write_twins(table, render_table(table, reports, category), out)
 
@@ -114,11 +111,11 @@ def printed_figures(
     return published(paper, category, first["model"], first.get("grid", ""), smoothing)
 
 
-def read_reports(paths: Sequence[Path], out: Path) -> list[dict[str, Any]]:
+def read_reports(paths: Sequence[Path], out: Path, category: str | None = None) -> list[dict[str, Any]]:
     """Metrics as the evaluation wrote them.
 
     Raises:
-        UserError: none to make the table `out` of, or a file that holds something else.
+        UserError: none to make the table `out` of, or a file that holds something else, or another category.
     """
     if not paths:
         raise UserError(f"{out}: no metrics to make a table of")
@@ -130,6 +127,8 @@ def read_reports(paths: Sequence[Path], out: Path) -> list[dict[str, Any]]:
                 raise ValueError("a key is missing")
         except (ValueError, AttributeError) as error:
             raise UserError(f"{path}: not metrics of `tetgan metrics` or `tetgan floor` ({error})") from None
+        if category not in (None, report["category"]):
+            raise UserError(f"{path}: metrics of '{report['category']}', not of '{category}'")
         reports.append(report)
     return reports
 

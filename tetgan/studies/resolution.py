@@ -13,6 +13,7 @@ from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
+from tetgan.evaluation.markdown import write_twins
 from tetgan.files import check_suffix, whole_file
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.rendering.style import FIGURES
@@ -64,11 +65,9 @@ def study_resolution(options: ResolutionOptions, table: Path, figure: Path) -> N
     torus = Torus(**options.torus.model_dump())
     curves = measure_curves(torus, options)
     summary = summarise(curves, options.reference_cells)
-    for path, frame in ((table, summary), (figure.with_suffix(".csv"), curves)):
-        with whole_file(path) as partial:
-            frame.to_csv(partial, index=False)
-    with whole_file(table.with_suffix(".md")) as partial:
-        partial.write_text(render_report(summary, options), encoding="utf-8")
+    write_twins(summary, render_report(summary, options), table)
+    with whole_file(figure.with_suffix(".csv")) as partial:
+        curves.to_csv(partial, index=False)
     with whole_file(figure) as partial:
         draw_report(partial, curves, summary, _pictured(torus, summary, options))
 

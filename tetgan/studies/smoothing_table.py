@@ -9,8 +9,8 @@ import pandas as pd
 
 from tetgan.errors import UserError
 from tetgan.evaluation.estimates import mean_estimate
+from tetgan.evaluation.markdown import write_twins
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.files import whole_file
 from tetgan.studies.smoothers import VARIANTS
 from tetgan.studies.smoothing_files import REPAIRED, Study, read_study
 from tetgan.studies.smoothing_report import render_smoothing
@@ -58,10 +58,7 @@ def write_smoothing_table(studies: Sequence[Path], out: Path) -> None:
         raise UserError(f"{out}: no study of a model; name one under studies.smoothing.models")
     loaded = [read_study(folder) for folder in studies]
     table = pd.concat([study_table(study) for study in loaded], ignore_index=True)
-    with whole_file(out) as partial:
-        table.to_csv(partial, index=False)
-    with whole_file(out.with_suffix(".md")) as partial:
-        partial.write_text(render_smoothing(table, loaded), encoding="utf-8")
+    write_twins(table, render_smoothing(table, loaded), out)
 
 
 def study_table(study: Study) -> pd.DataFrame:
