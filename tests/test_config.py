@@ -207,7 +207,9 @@ def test_reductions_name_what_is_smaller_than_in_the_paper():
     config = Config.parse(changed(models={"m": {"kind": "tetgan", "grid": "LR", "width": 16}}))
     assert "width 16 (paper 64)" in config.reductions("m")
     assert "depth 2 (paper 3)" in config.reductions("m")
-    assert "code" not in config.reductions("m")
+    assert "code" not in config.reductions("m") and "prior" not in config.reductions("m")
+    config = Config.parse(changed(models={"m": {"kind": "tetgan", "grid": "LR", "prior": "fitted"}}))
+    assert "prior fitted (paper normal)" in config.reductions("m")
 
 
 def test_reductions_of_baselines_name_their_own_sizes():
@@ -219,6 +221,7 @@ def test_reductions_of_baselines_name_their_own_sizes():
                 "whole": whole | {"sampling": "all"},
                 "small": {"kind": "occnet", "mise_start": 16, "training": {"epochs": 7, "points": 512}},
                 "star": {"kind": "simplified", "of": "small"},
+                "coarse": {"kind": "simplified", "of": "small", "faces": 300},
                 "gan": {
                     "kind": "shapegan-gan",
                     "sampling": "voxels-32",
@@ -233,4 +236,5 @@ def test_reductions_of_baselines_name_their_own_sizes():
         "epochs 7 (our full run 1000)"
     )
     assert config.reductions("star") == config.reductions("small")
+    assert config.reductions("coarse") == config.reductions("small") + "; faces 300 (paper 5500)"
     assert config.reductions("gan") == "voxels a side 32 (paper 64); epochs 6 (paper 1000)"

@@ -249,14 +249,19 @@ class Config(Options):
         return own | self.training_of(model).model_dump() | self.meshing_of(model).model_dump()
 
     def reductions(self, model: str) -> str:
-        """What is smaller than in the paper for one model, in words; empty when nothing is."""
+        """What is smaller than in the paper for one model, or chosen otherwise, in words; empty: nothing."""
         options: Any = self.models[model]
         kind = kind_of(options)
-        if kind.of or not kind.trained:
+        if kind.of:
             return self.reductions(options.of)
-        data = self.grids[options.grid] if kind.sampling is None else self.samplings[options.sampling]
-        sizes = kind.load("sizes")(options, data, self.training_of(model))
-        return "; ".join(f"{key} {size}" for key, size in sizes.items() if size.ours < size.full)
+        told, data, training = [], None, None
+        if kind.trained:
+            data = self.grids[options.grid] if kind.sampling is None else self.samplings[options.sampling]
+            training = self.training_of(model)
+        elif under := self.reductions(options.of):
+            told.append(under)
+        sizes = kind.load("sizes")(options, data, training)
+        return "; ".join([*told, *(f"{key} {size}" for key, size in sizes.items() if size.differs)])
 
 
 def load_config(values: dict[str, Any]) -> dict[str, Any]:

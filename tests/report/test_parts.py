@@ -58,7 +58,7 @@ def test_versions_are_no_numbers():
 
 
 def test_columns_of_the_paper_are_grey():
-    html = table_html(["model", "Paper", "fid_paper", "Smaller than the paper's"], [["a", "x", "1", "b"]])
+    html = table_html(["model", "Paper", "fid_paper", "Other than the paper's"], [["a", "x", "1", "b"]])
     assert html.count('class="paper"') == 2
     assert '<td class="number paper">1</td>' in html
 

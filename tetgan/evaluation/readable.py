@@ -46,7 +46,7 @@ _MADE = {
     "seeds": "Seeds",
     "n": "Surfaces",
     "train_minutes": "Training, min",
-    "reduced": "Smaller than the paper's",
+    "reduced": "Other than the paper's",
 }
 _ABOUT_PAPER = (
     "The paper's figures stand in parentheses as printed. They were measured on other shapes (ShapeNet, "

@@ -69,5 +69,5 @@ KINDS = (
         sampling={"kind": "voxels", "resolution": 32},
         sizes="tetgan.models.sizes:of_shapegan_vae",
     ),
-    ModelKind(SimplifiedOptions, logged=False),
+    ModelKind(SimplifiedOptions, sizes="tetgan.models.sizes:of_simplified", logged=False),
 )

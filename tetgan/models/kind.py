@@ -42,7 +42,8 @@ class ModelKind:
     """Kinds of which it needs a trained model on the same grid, which the option `of` names."""
 
     sizes: Reference = "tetgan.models.sizes:of_data"
-    """From options, those of grid or sampling, and training options what `Config.reductions` compares."""
+    """From options, those of grid or sampling, and training options what `Config.reductions` compares;
+    the last two are None for a kind that is not trained."""
 
     one_mode: bool = False
     """Whether its fields are meshed in the first mode alone, as those of a yardstick."""

@@ -9,6 +9,7 @@ from tetgan.models.options import (
     OccNetOptions,
     ShapeGanOptions,
     ShapeGanVaeOptions,
+    SimplifiedOptions,
     TetganOptions,
 )
 
@@ -20,11 +21,30 @@ class Size(NamedTuple):
     full: int
     stated: bool = True
 
+    @property
+    def differs(self) -> bool:
+        """Larger is no reduction."""
+        return self.ours < self.full
+
     def __str__(self) -> str:
         return f"{self.ours} ({'paper' if self.stated else 'our full run'} {self.full})"
 
 
-Sizes = dict[str, Size]
+class Choice(NamedTuple):
+    """One of ours that is no number, and the paper's."""
+
+    ours: str
+    full: str
+
+    @property
+    def differs(self) -> bool:
+        return self.ours != self.full
+
+    def __str__(self) -> str:
+        return f"{self.ours} (paper {self.full})"
+
+
+Sizes = dict[str, Size | Choice]
 
 
 def of_data(options: KindOptions, data: GridOptions | Sampling, training: Any) -> Sizes:
@@ -39,6 +59,7 @@ def of_tetgan(options: TetganOptions, grid: GridOptions, training: Any) -> Sizes
         "code": Size(options.code, 512),
         "local critic width": Size(options.local_critic_width, 16),
         "global critic width": Size(options.global_critic_width, 64),
+        "prior": Choice(options.prior, "normal"),
         "epochs": Size(training.epochs, 100),
         "batch": Size(training.batch_size, 30),
     }
@@ -74,3 +95,8 @@ def of_shapegan_vae(options: ShapeGanVaeOptions, sampling: VoxelOptions, trainin
         "epochs": Size(training.epochs, 500, stated=False),
         "batch": Size(training.batch_size, 32),
     }
+
+
+def of_simplified(options: SimplifiedOptions, data: None, training: None) -> Sizes:
+    """Beside those of the model that it is made from."""
+    return {"faces": Size(options.faces, 5500)}

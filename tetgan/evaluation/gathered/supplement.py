@@ -99,7 +99,7 @@ def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], figure: s
     made = {
         "Grid": table["grid"].map(plain),
         **counts,
-        "Smaller than the paper's": table["reduced"].map(plain),
+        "Other than the paper's": table["reduced"].map(plain),
     }
     return page(
         _TITLES[figure],
