@@ -28,6 +28,11 @@ def test_a_config_plans_everything_it_holds(untouched, name):
         assert jobs[f"gather_{table}"] == 1
 
 
+def test_the_smoke_run_has_every_rule(untouched):
+    jobs = planned(untouched.smoke("-n", "paper", "results/smoke/report.html"))
+    assert rule_names() - {"all", "figures"} <= jobs.keys()
+
+
 @pytest.mark.parametrize("name", ["overnight.yaml", "paper.yaml"])
 def test_the_large_configs_hold_all_six_categories(name):
     config = yaml.safe_load((ROOT / "config" / name).read_text())
