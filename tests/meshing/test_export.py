@@ -1,5 +1,6 @@
 """Every format read back by another program than the one that wrote it."""
 
+import importlib
 import json
 import struct
 
@@ -28,20 +29,27 @@ def by_meshio(path):
     return found.vertices, found.tets
 
 
-def by_vtk(path):
-    """VTK's own readers, through pyvista."""
-    pyvista = pytest.importorskip("pyvista", reason="pyvista is no dependency")
-    if path.suffix == ".xdmf":
-        from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+VTK_READERS = {
+    ".vtu": ("vtkIOXML", "vtkXMLUnstructuredGridReader"),
+    ".vtk": ("vtkIOLegacy", "vtkUnstructuredGridReader"),
+    ".xdmf": ("vtkIOXdmf2", "vtkXdmfReader"),
+}
 
-        reader = vtkXdmfReader()  # pyvista's wants steps of time
-        reader.SetFileName(str(path))
-        reader.Update()
-        found = pyvista.wrap(reader.GetOutputDataObject(0))
-    else:
-        found = pyvista.get_reader(path).read() if path.suffix != ".mesh" else pyvista.read(path)
-    assert set(found.celltypes.tolist()) == {pyvista.CellType.TETRA}
-    return np.asarray(found.points), found.cells.reshape(-1, 5)[:, 1:]
+
+def by_vtk(path):
+    """VTK's own readers, which ParaView uses too."""
+    pytest.importorskip("vtkmodules", reason="vtk comes with the extra 'dev'")
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkCommonDataModel import VTK_TETRA
+
+    module, name = VTK_READERS[path.suffix]
+    reader = getattr(importlib.import_module(f"vtkmodules.{module}"), name)()
+    reader.SetFileName(str(path))
+    reader.Update()
+    found = reader.GetOutputDataObject(0)
+    assert {found.GetCellType(cell) for cell in range(found.GetNumberOfCells())} == {VTK_TETRA}
+    corners = vtk_to_numpy(found.GetCells().GetConnectivityArray())
+    return vtk_to_numpy(found.GetPoints().GetData()), corners.reshape(-1, 4)
 
 
 def by_gmsh(path):
@@ -92,7 +100,7 @@ def by_numpy(path):
 
 READERS = [
     *((suffix, "2.2", by_meshio) for suffix in SOLIDS),
-    *((suffix, "2.2", by_vtk) for suffix in (".vtu", ".vtk", ".mesh", ".xdmf")),
+    *((suffix, "2.2", by_vtk) for suffix in VTK_READERS),
     *((".msh", version, by_gmsh) for version in ("2.2", "4.1")),
     (".mesh", "2.2", by_gmsh),
     (".msh", "4.1", by_meshio),
