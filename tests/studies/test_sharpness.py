@@ -16,6 +16,10 @@ def test_a_cube_bends_by_90_degrees_at_its_edges_and_nowhere_else(cube):
     assert bends.share_above(90.1) == 0
     assert bends.percentile(95) == pytest.approx(90)
     assert bends.percentile(30) == pytest.approx(0)
+    flat, square, folded = bends.histogram(60).items()
+    assert flat == ("bend_0_60", pytest.approx(diagonals / (edges + diagonals)))
+    assert square == ("bend_60_120", pytest.approx(edges / (edges + diagonals)))
+    assert folded == ("bend_120_180", 0)
 
 
 def test_an_icosahedron():
@@ -76,3 +80,4 @@ def test_nothing_has_no_sharpness(cube):
     nothing = measure_bends(vertices, faces[:0])
     assert np.isnan(nothing.percentile(95))
     assert np.isnan(nothing.share_above(30))
+    assert set(nothing.histogram(90).values()) == {0}

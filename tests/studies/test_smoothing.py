@@ -1,6 +1,10 @@
 """The smoothing study of ground-truth boxes, from stores and meshes to the table and its verdicts."""
 
 import json
+import runpy
+import sys
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -216,3 +220,23 @@ def test_the_report_is_whole_json(folder):
     report = json.loads((folder / "report.json").read_text())
     assert report["meshing"]["beta"] == 0.5
     assert report["tets"] == 1536
+
+
+def test_the_figure_has_its_data_beside_it(folder, tmp_path, monkeypatch):
+    for stream in ("stdout", "stderr"):
+        monkeypatch.setattr(sys, stream, getattr(sys, stream))  # gives back what the script takes
+    job = SimpleNamespace(
+        input=SimpleNamespace(studies=[str(folder)]),
+        params=SimpleNamespace(names=["a-model"]),
+        output=SimpleNamespace(picture=str(tmp_path / "smoothing.png")),
+        log=[str(tmp_path / "log")],
+    )
+    script = Path(__file__).parents[2] / "workflow" / "scripts" / "draw_smoothing.py"
+    runpy.run_path(str(script), init_globals={"snakemake": job})
+    data = pd.read_csv(tmp_path / "smoothing.csv")
+    assert len(data) == 1 + len(VARIANTS) and set(data["id"]) == {"box-6"}
+    bends = data.filter(regex=r"^bend_\d+_\d+$")
+    assert bends.shape[1] == 18 and np.allclose(bends.sum(axis=1), 1)
+    repaired = data["smoothing"] == "repaired"
+    assert bends.loc[repaired, ["bend_0_10", "bend_80_90", "bend_90_100"]].sum(axis=1).item() > 0.99
+    assert (tmp_path / "smoothing.png").stat().st_size > 10_000

@@ -44,6 +44,10 @@ def test_figures_show_something(studied):
         picture = np.asarray(Image.open(studied / target).convert("L"))
         assert 0.02 < (picture < 230).mean() < 0.9
     assert (studied / "results/smoke/figures/resolution.csv").is_file()
+    smoothing = pd.read_csv((studied / TARGETS[2]).with_suffix(".csv"))
+    assert len(smoothing) == 2 * 9  # the repaired shape and eight variants, of two models
+    bends = smoothing.filter(regex=r"^bend_\d+_\d+$").loc[smoothing["bend_p95"].notna()]
+    assert bends.shape[1] == 18 and np.allclose(bends.sum(axis=1), 1)
 
 
 def test_samples_are_simulated_in_both_modes(studied):

@@ -38,6 +38,13 @@ class Bends:
         total = self.lengths.sum()
         return float(self.lengths[self.angles > degrees].sum() / total) if total > 0 else np.nan
 
+    def histogram(self, step: int) -> dict[str, float]:
+        """Share of the edges' length in each range of `step` degrees from 0 to 180, by its name."""
+        starts = range(0, 180, step)
+        lengths, _ = np.histogram(self.angles, [*starts, 180], weights=self.lengths)
+        shares = lengths / max(self.lengths.sum(), np.finfo(float).tiny)
+        return {f"bend_{low}_{low + step}": float(share) for low, share in zip(starts, shares, strict=True)}
+
     def distance(self, other: "Bends") -> float:
         """Wasserstein-1 distance in degrees between the distributions of angle over length."""
         return float(wasserstein_distance(self.angles, other.angles, self.lengths, other.lengths))

@@ -129,6 +129,7 @@ rule draw_smoothing:
             category="Figures",
             labels={"category": "{category}", "figure": "smoothing"},
         ),
+        data="<results>/figures/{category}/smoothing.csv",
     log:
         "<logs>/draw_smoothing/{category}.log",
     conda:
@@ -137,6 +138,6 @@ rule draw_smoothing:
         mem_mb=1500,
     params:
         names=config["studies"]["smoothing"]["models"],
-        code=stage_digest("rendering", "studies/smoothers"),
+        code=stage_digest("rendering", "studies/smoothers", "studies/sharpness"),
     script:
         "../scripts/draw_smoothing.py"

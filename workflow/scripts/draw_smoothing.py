@@ -4,18 +4,21 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 from tetgan.rendering.raycast import render_mesh
 from tetgan.rendering.sheet import contact_sheet, save_image
 from tetgan.shapes.archive import read_meshes
-from tetgan.studies.smoothers import VARIANTS
-from tetgan.studies.smoothing_files import EXAMPLE, REPAIRED
+from tetgan.studies.sharpness import measure_bends
+from tetgan.studies.smoothers import VARIANTS, Variant
+from tetgan.studies.smoothing_files import EXAMPLE, REPAIRED, read_study
 
 CELL = 300
 ENLARGED = 3
 FRAME = 6  # pixels of white around an enlarged window
 # Corner of the enlarged window in the enlarged picture, in cells: about where a seat meets its back and legs.
 WINDOW = (0.9, 1.2)
+BEND = 10  # degrees of a bar of the histogram in the data
 NAMES = {"none": "", "wls": "wLS", "uniform": "plain", "cotangent": "cotangent"}
 
 
@@ -39,17 +42,30 @@ def columns():
         yield variant.name, " + ".join(filter(None, [base, NAMES[variant.smoothing]]))
 
 
-def draw(studies: list[str], models: list[str], out: str) -> None:
-    pictures, rows = [], []
+def measured(study: str, model: str, shapes: dict) -> pd.DataFrame:
+    """What the study says of its first shape, and how edges bend: a row a column of the picture."""
+    rows = read_study(Path(study)).rows
+    rows = rows[rows["id"] == rows["id"].iloc[0]].assign(model=model).reset_index(drop=True)
+    names = [
+        REPAIRED if smoothing == REPAIRED else Variant(displaced, smoothing).name
+        for displaced, smoothing in zip(rows["displaced"], rows["smoothing"], strict=True)
+    ]
+    return rows.join(pd.DataFrame([measure_bends(*shapes[name]).histogram(BEND) for name in names]))
+
+
+def draw(studies: list[str], models: list[str], out: Path) -> None:
+    pictures, rows, data = [], [], []
     for study, model in zip(studies, models, strict=True):
         shapes = {name: (vertices, faces) for name, vertices, faces in read_meshes(Path(study) / EXAMPLE)}
         for view in (whole, enlarged):
             pictures += [view(*shapes[name]) for name, _ in columns()]
         rows += [model, "enlarged"]
+        data.append(measured(study, model, shapes))
     titles = [title for _, title in columns()]
     save_image(out, contact_sheet(pictures, len(titles), titles=titles * len(rows), row_titles=rows))
+    pd.concat(data).to_csv(out.with_suffix(".csv"), index=False)
 
 
 with Path(snakemake.log[0]).open("w") as log:
     sys.stdout = sys.stderr = log
-    draw(list(snakemake.input.studies), list(snakemake.params.names), snakemake.output.picture)
+    draw(list(snakemake.input.studies), list(snakemake.params.names), Path(snakemake.output.picture))
