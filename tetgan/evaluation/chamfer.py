@@ -1,5 +1,6 @@
 """How far apart two surfaces are, by points sampled on them."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -47,6 +48,26 @@ def chamfer(first: SurfaceSample, second: SurfaceSample) -> float:
     forth, _ = nearest(first.points, second)
     back, _ = nearest(second.points, first)
     return float((forth**2).mean() + (back**2).mean())
+
+
+class Estimate(NamedTuple):
+    """A Chamfer distance from a part of the points, and its standard error."""
+
+    value: float
+    error: float
+
+
+def estimate_chamfer(first: SurfaceSample, second: SurfaceSample, queries: int) -> Estimate:
+    """The distance from the first `queries` points of each to all of the other.
+
+    The order of a sample's points is random, so the first of them are a fair part: there is no bias.
+    """
+    squares = [
+        nearest(source.points[:queries], target)[0] ** 2
+        for source, target in ((first, second), (second, first))
+    ]
+    error = math.sqrt(sum(float(s.var()) / len(s) for s in squares))
+    return Estimate(sum(float(s.mean()) for s in squares), error)
 
 
 def compare_surfaces(found: SurfaceSample, truth: SurfaceSample, threshold: float) -> SurfaceDistance:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.evaluation.chamfer import SurfaceSample, chamfer, nearest
+from tetgan.evaluation.chamfer import SurfaceSample, chamfer, estimate_chamfer
 from tetgan.evaluation.pairwise import chamfer_between, chamfer_selected
 
 # A quarter of the points costs a sixteenth and orders shapes nearly as all of them do: the nearest is among
@@ -60,27 +60,17 @@ def find_nearest(
 ) -> tuple[int | None, float]:
     """The candidate at the smallest Chamfer distance, and that distance; none and nan for no shape.
 
-    Most candidates are dismissed by a part of the points: the points of a sample are in random order, so the
-    first of them estimate the distance without bias.
+    Most candidates are dismissed by a part of the points.
     """
     if shape is None or not len(candidates):
         return None, math.nan
     rows = list(range(len(candidates)))
     for probes in _PROBES:
         if len(rows) > 1 and probes < len(shape.points):
-            estimates = [_estimate(shape, candidates[row], probes) for row in rows]
+            estimates = [estimate_chamfer(shape, candidates[row], probes) for row in rows]
             middle, error = np.array(estimates).T
             near = middle - _ERRORS * error <= (middle + _ERRORS * error).min()
             rows = [row for row, kept in zip(rows, near, strict=True) if kept]
     distances = [chamfer(shape, candidates[row]) for row in rows]
     best = int(np.argmin(distances))
     return rows[best], distances[best]
-
-
-def _estimate(first: SurfaceSample, second: SurfaceSample, probes: int) -> tuple[float, float]:
-    """Chamfer distance from some of the points, and its standard error."""
-    squares = [
-        nearest(source.points[:probes], target)[0] ** 2
-        for source, target in ((first, second), (second, first))
-    ]
-    return sum(s.mean() for s in squares), math.sqrt(sum(s.var() / len(s) for s in squares))

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from tetgan.evaluation.chamfer import SurfaceSample, chamfer, nearest
+from tetgan.evaluation.chamfer import SurfaceSample, chamfer, estimate_chamfer
 from tetgan.evaluation.options import VarietyOptions
 from tetgan.evaluation.threads import map_threads
 
@@ -50,7 +50,10 @@ def variety(
     draws = [_draw_pairs(len(samples), options, rng) for _ in range(options.repeats)]
     pairs, place = np.unique(np.concatenate(draws), axis=0, return_inverse=True)
     places = np.split(place.reshape(-1), options.repeats)
-    estimate, error = _estimate(samples, pairs, threads)
+    probed = map_threads(
+        lambda pair: estimate_chamfer(samples[pair[0]], samples[pair[1]], _PROBES), pairs, threads, "pairs"
+    )
+    estimate, error = np.array(probed).T
     measured = np.zeros(len(pairs), dtype=bool)
     for drawn in places:
         measured[drawn] |= _may_be_closest(estimate[drawn], error[drawn], options.closest)
@@ -69,26 +72,6 @@ def _draw_pairs(shapes: int, options: VarietyOptions, rng: np.random.Generator) 
     first, second = np.triu_indices(shapes, 1)
     chosen = rng.choice(len(first), options.pairs, replace=False)
     return np.stack([first[chosen], second[chosen]], axis=1)
-
-
-def _estimate(
-    samples: Sequence[SurfaceSample], pairs: Int[np.ndarray, "K 2"], threads: int
-) -> tuple[Float[np.ndarray, "K"], Float[np.ndarray, "K"]]:
-    """Chamfer distance of each pair from a part of the queries, and its standard error.
-
-    The order of a sample's points is random, so the first of them are a fair part.
-    """
-
-    def probe(pair: Int[np.ndarray, "2"]) -> tuple[float, float]:
-        first, second = samples[pair[0]], samples[pair[1]]
-        squares = [
-            nearest(source.points[:_PROBES], target)[0] ** 2
-            for source, target in ((first, second), (second, first))
-        ]
-        return sum(s.mean() for s in squares), np.sqrt(sum(s.var() / len(s) for s in squares))
-
-    probed = np.array(map_threads(probe, pairs, threads, "pairs"))
-    return probed[:, 0], probed[:, 1]
 
 
 def _may_be_closest(
