@@ -73,6 +73,13 @@ def test_missing_empty_and_flat_surfaces_are_none(tmp_path):
     assert read_surface(tmp_path / "empty.ply") is None
 
 
+def test_a_damaged_surface_is_named(tmp_path):
+    for name, content in (("text.ply", "garbage"), ("odd.off", "3")):
+        (tmp_path / name).write_text(content)
+        with pytest.raises(UserError, match=rf"{name}: cannot be read as a mesh \(.*; remove it"):
+            read_surface(tmp_path / name)
+
+
 def test_samples_lie_on_the_surface_with_its_normals(tmp_path):
     box = trimesh.creation.box()
     box.export(tmp_path / "box.ply")

@@ -7,6 +7,7 @@ import numpy as np
 import trimesh
 from jaxtyping import Float, Int
 
+from tetgan.errors import UserError
 from tetgan.evaluation.chamfer import SurfaceSample
 from tetgan.grids.adjacency import unique_edges
 from tetgan.shapes.sampling import sample_surface
@@ -23,10 +24,16 @@ def read_surface(path: Path) -> Surface | None:
     """The triangles of a file, exactly as stored; None when there is no file, no face, or no area.
 
     A generated shape may be empty: that is a result to count, not an error.
+
+    Raises:
+        UserError: the file is damaged.
     """
     if not path.is_file():
         return None
-    mesh = trimesh.load_mesh(path, process=False)
+    try:
+        mesh = trimesh.load_mesh(path, process=False)
+    except Exception as error:  # its parsers raise what they please
+        raise UserError(f"{path}: cannot be read as a mesh ({error}); remove it, or make it again") from None
     faces = np.asarray(mesh.faces)
     if not len(faces) or not mesh.area > 0:
         return None
