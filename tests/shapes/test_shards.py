@@ -180,3 +180,17 @@ def test_shards_partition_the_list(count: int, parts: int) -> None:
 def test_a_shard_is_written_as_three_of_sixteen(shard: str) -> None:
     with pytest.raises(UserError, match="3-of-16"):
         shard_entries([], shard)
+
+
+@pytest.mark.parametrize("content", ["garbage", "id,shape\na,b\n", "", "a,b\n1,2,3\n1,2,3,4\n"])
+def test_a_file_that_is_no_catalogue_is_named(tmp_path: Path, content: str) -> None:
+    (tmp_path / "other.csv").write_text(content)
+    with pytest.raises(UserError, match=r"other\.csv: not a catalogue .*; make it with 'tetgan catalogue'"):
+        read_catalogue(tmp_path / "other.csv")
+
+
+def test_damaged_clouds_are_named(tmp_path: Path) -> None:
+    for content in (b"garbage", b"PK\x03\x04 cut off"):
+        (tmp_path / "clouds.npz").write_bytes(content)
+        with pytest.raises(UserError, match=r"clouds\.npz: not a file of clouds"):
+            read_clouds(tmp_path / "clouds.npz")

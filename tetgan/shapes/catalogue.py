@@ -40,5 +40,19 @@ def read_catalogue(path: Path) -> pd.DataFrame:
     """Columns id, path, sha256, split, status, reason as text, then numbers, empty where there is none.
 
     `status` is ok, filled (an inside was hollow), rejected (see reason) or surface (hold-out, not repaired).
+
+    Raises:
+        UserError: the file is none of `gather_catalogue`.
     """
-    return read_table(path)
+    try:
+        table = read_table(path)
+    except ValueError as error:
+        raise UserError(
+            f"{path}: not a catalogue ({str(error).strip()}); make it with 'tetgan catalogue'"
+        ) from None
+    missing = [name for name in ("id", "split") if name not in table]
+    if missing:
+        raise UserError(
+            f"{path}: not a catalogue (no column '{missing[0]}'); make it with 'tetgan catalogue'"
+        )
+    return table

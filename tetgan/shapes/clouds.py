@@ -3,6 +3,7 @@
 import logging
 from dataclasses import dataclass
 from pathlib import Path
+from zipfile import BadZipFile
 
 import numpy as np
 from jaxtyping import Float
@@ -96,7 +97,7 @@ def read_clouds(path: Path) -> Clouds:
                 name: [str(shape_id) for shape_id in arrays[name]] for name in ("train_ids", "holdout_ids")
             }
             return Clouds(arrays["train"], ids["train_ids"], arrays["holdout"], ids["holdout_ids"])
-    except (OSError, KeyError, ValueError) as error:
+    except (OSError, KeyError, ValueError, BadZipFile) as error:
         raise UserError(f"{path}: not a file of clouds ({error})") from None
 
 
