@@ -212,6 +212,9 @@ def test_a_model_that_is_never_smoothed_has_no_smoothing(tmp_path):
 
 
 def test_other_columns_are_not_the_papers_figures(tmp_path):
-    (tmp_path / "bad.csv").write_text("model,value\na,1\n")
-    with pytest.raises(UserError, match="expected the columns"):
-        read_paper(tmp_path / "bad.csv")
+    for content in ("model,value\na,1\n", ""):
+        (tmp_path / "bad.csv").write_text(content)
+        with pytest.raises(
+            UserError, match=r"bad\.csv: no table of the paper's figures; its columns are table,"
+        ):
+            read_paper(tmp_path / "bad.csv")

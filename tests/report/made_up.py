@@ -44,6 +44,7 @@ def write_results(folder: Path, vertices: np.ndarray, tets: np.ndarray) -> None:
     write_text(folder / "figures/resolution.csv", "resolution,error\n41,0.5\n")
     for stage, line in _BENCHMARKS.items():
         write_text(folder / "benchmarks" / f"{stage}.tsv", f"s\th:m:s\tmax_rss\n{line}\n")
+    write_text(folder / "models/chair/tetgan-LR/0/options.json", '{"device": "a GPU"}\n')
     for model in ("tetgan-LR", "pca"):
         for seed, count in ((0, 3), (2, 1)):
             solids = folder / f"samples/chair/{model}/{seed}/paper/wls/generated"

@@ -121,7 +121,17 @@ def test_the_viewer_gets_the_first_solids_of_the_lowest_seed(read):
 
 def test_provenance_names_seeds_versions_times_and_the_config(read):
     cells = [cell["text"] for cell in read.all("td")]
-    for text in ("sources.chair.seed", "0, 1", "numpy", "python", "repair_shapes", "2.00", "10.00", "123"):
+    for text in (
+        "sources.chair.seed",
+        "0, 1",
+        "numpy",
+        "python",
+        "repair_shapes",
+        "2.00",
+        "10.00",
+        "123",
+        "a GPU",
+    ):
         assert text in cells
     assert "builtin" in read.all("pre")[0]["text"]
 

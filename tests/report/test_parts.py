@@ -6,13 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from made_up import write_text
 from PIL import Image
 
 from tetgan.errors import UserError
 from tetgan.report.captions import read_caption
 from tetgan.report.figures import fit_pictures, read_figures
 from tetgan.report.markup import cell_text, markdown_html, table_html
-from tetgan.report.provenance import code_commit, machine, package_versions, seeds_of, stage_times
+from tetgan.report.provenance import (
+    code_commit,
+    machine,
+    package_versions,
+    seeds_of,
+    stage_times,
+    training_devices,
+)
 from tetgan.report.tables import read_tables
 
 
@@ -145,6 +153,24 @@ def test_times_are_summed_by_stage(results):
 
 def test_no_benchmarks_give_an_empty_table(tmp_path):
     assert stage_times(tmp_path / "absent").empty
+
+
+def test_a_file_that_is_no_benchmark_is_named(tmp_path):
+    for content in ("", "a\tb\n1\t2\n"):
+        (tmp_path / "stage.tsv").write_text(content)
+        with pytest.raises(UserError, match=r"stage\.tsv: not a benchmark"):
+            stage_times(tmp_path)
+
+
+def test_devices_of_training_are_those_that_models_recorded(tmp_path):
+    for name, content in (("a/0", '{"device": "cpu"}'), ("a/1", '{"device": "H100"}'), ("b/0", "{}")):
+        write_text(tmp_path / "chair" / name / "options.json", content)
+    found = training_devices(tmp_path)
+    assert found == {"chair/a/0": "cpu", "chair/a/1": "H100", "chair/b/0": ""}
+    assert training_devices(tmp_path / "absent") == {}
+    write_text(tmp_path / "chair/c/0/options.json", "cut o")
+    with pytest.raises(UserError, match=r"c/0/options\.json: not the options"):
+        training_devices(tmp_path)
 
 
 def test_versions_and_machine_are_known():

@@ -26,12 +26,15 @@ def read_paper(path: Path) -> pd.DataFrame:
     """The figures as printed (text), one a row: table, category, model, metric, value.
 
     Raises:
-        UserError: other columns.
+        UserError: no table, or one of other columns.
     """
-    figures = pd.read_csv(path, dtype=str)
-    if list(figures.columns) != _COLUMNS:
-        raise UserError(f"{path}: expected the columns {', '.join(_COLUMNS)}")
-    return figures
+    try:
+        figures = pd.read_csv(path, dtype=str)
+        if list(figures.columns) == _COLUMNS:
+            return figures
+    except ValueError:  # no table at all
+        pass
+    raise UserError(f"{path}: no table of the paper's figures; its columns are {', '.join(_COLUMNS)}")
 
 
 def published(figures: pd.DataFrame, category: str, model: str, grid: str, smoothing: str) -> dict[str, str]:

@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 from torch import Tensor
@@ -18,6 +19,7 @@ from tetgan.models.options import KindOptions
 from tetgan.options import parse_options
 
 OPTIONS, WEIGHTS = "options.json", "weights.safetensors"
+CPU = torch.device("cpu")
 
 
 def build_generator(
@@ -48,15 +50,18 @@ def save_generator(
     hierarchy: GridHierarchy | None = None,
     **further: Any,
 ) -> None:
-    """Write `options.json` (the model's, its grid's digest and whatever else is told) and the weights.
+    """Write `options.json` (the model's, digest of its grid, device, what else is told) and the weights.
 
     A model that stands on another tells that one's options as `of`; the weights hold both.
     """
     grid = {"grid_digest": hierarchy.digest} if hierarchy else {}
-    record = {"model": options.model_dump(mode="json"), **grid, **further}
+    state = generator.state_dict()
+    device = next((value.device for value in state.values()), CPU)
+    made = {"device": torch.cuda.get_device_name(device) if device.type == "cuda" else device.type}
+    record = {"model": options.model_dump(mode="json"), **grid, **made, **further}
     with whole_file(folder / OPTIONS) as partial:
         partial.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
-    weights = {name: value.detach().cpu().contiguous() for name, value in generator.state_dict().items()}
+    weights = {name: value.detach().cpu().contiguous() for name, value in state.items()}
     with whole_file(folder / WEIGHTS) as partial:
         save_file(weights, partial)
 

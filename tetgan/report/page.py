@@ -18,7 +18,14 @@ from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.report.figures import read_figures
 from tetgan.report.markup import table_html
-from tetgan.report.provenance import code_commit, machine, package_versions, seeds_of, stage_times
+from tetgan.report.provenance import (
+    code_commit,
+    machine,
+    package_versions,
+    seeds_of,
+    stage_times,
+    training_devices,
+)
 from tetgan.report.solids import REGULAR_DIHEDRAL, find_sample_sets, pack_sets
 from tetgan.report.tables import read_tables
 
@@ -42,7 +49,7 @@ def write_report(
     """Write every table and figure of a run, solids to turn and cut, and the provenance into one HTML file.
 
     Args:
-        results: folder with `tables/`, `figures/`, `samples/`, `benchmarks/`; each may be missing.
+        results: folder with `tables/`, `figures/`, `samples/`, `models/`, `benchmarks/`; each may be missing.
         config: the configuration of the run, shown in full.
         captions: folder of `{name}.rst` (see `read_caption`).
         models: whose solids are shown; empty for every model's.
@@ -104,9 +111,18 @@ def _provenance(results: Path, config: Mapping[str, Any]) -> dict[str, Markup]:
     return {
         "Code and machine that made this page": _pairs({"commit": code_commit(), **machine()}),
         "Seeds": _pairs(seeds_of(config)),
+        "Devices of training": _pairs(_by_device(training_devices(results / "models"))),
         "Time of each stage": _times(stages),
         "Packages": _pairs(package_versions()),
     }
+
+
+def _by_device(devices: Mapping[str, str]) -> dict[str, str]:
+    """Models of each device; most runs have one."""
+    grouped: dict[str, list[str]] = {}
+    for model, device in devices.items():
+        grouped.setdefault(device or "not recorded", []).append(model)
+    return {device: ", ".join(models) for device, models in grouped.items()}
 
 
 def _pairs(values: Mapping[str, str]) -> Markup:

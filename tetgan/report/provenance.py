@@ -1,5 +1,6 @@
 """What the results came from: code, packages, machine, seeds, and the time each stage took."""
 
+import json
 import os
 import platform
 import re
@@ -13,6 +14,7 @@ import pandas as pd
 import torch
 
 import tetgan
+from tetgan.errors import UserError
 
 
 def package_versions() -> dict[str, str]:
@@ -77,6 +79,18 @@ def _processor() -> str:
     return found.group(1) if found else platform.processor() or "unknown"
 
 
+def training_devices(models: Path) -> dict[str, str]:
+    """Device that each model was trained on, by `{category}/{model}/{seed}`; empty where it was not kept."""
+    found = {}
+    for path in sorted(models.glob("*/*/*/options.json")):
+        try:
+            device = json.loads(path.read_text(encoding="utf-8")).get("device", "")
+        except (ValueError, AttributeError):
+            raise UserError(f"{path}: not the options of a trained model; train it again") from None
+        found["/".join(path.parts[-4:-1])] = str(device)
+    return found
+
+
 def seeds_of(config: Mapping[str, Any]) -> dict[str, str]:
     """Every seed of a configuration under its dotted key."""
     return {key: _listed(value) for key, value in _leaves(config) if key.split(".")[-1] in ("seed", "seeds")}
@@ -100,6 +114,9 @@ def stage_times(benchmarks: Path) -> pd.DataFrame:
     Returns:
         Columns `stage`, `jobs`, `minutes` of all of them, `longest` in minutes, `peak` memory of a job in
         MiB (missing where Snakemake measured none).
+
+    Raises:
+        UserError: a file is no benchmark.
     """
     records = [
         {"stage": path.relative_to(benchmarks).with_suffix("").parts[0], **_benchmark(path)}
@@ -115,5 +132,8 @@ def stage_times(benchmarks: Path) -> pd.DataFrame:
 
 def _benchmark(path: Path) -> dict[str, float]:
     """Seconds and MiB of one job; of repeated measurements the mean time and the peak memory."""
-    table = pd.read_csv(path, sep="\t").apply(pd.to_numeric, errors="coerce")
+    try:
+        table = pd.read_csv(path, sep="\t")[["s", "max_rss"]].apply(pd.to_numeric, errors="coerce")
+    except (ValueError, KeyError) as error:
+        raise UserError(f"{path}: not a benchmark of Snakemake ({error}); remove it") from None
     return {"seconds": float(table["s"].mean()), "peak": float(table["max_rss"].max())}
