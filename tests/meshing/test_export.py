@@ -177,6 +177,12 @@ def test_a_surface_has_no_vertices_of_the_inside(tmp_path, mesh, suffix):
     assert len(read.vertices) == len(np.unique(mesh.faces)) < len(mesh.vertices)
 
 
+def test_capitals_in_a_suffix_are_the_same_surface(tmp_path, mesh):
+    write_mesh(tmp_path / "small.stl", mesh)
+    write_mesh(tmp_path / "CAPITAL.STL", mesh)
+    assert (tmp_path / "CAPITAL.STL").read_bytes() == (tmp_path / "small.stl").read_bytes()
+
+
 def test_msh_is_gmshs(tmp_path, mesh, capfd):
     for version in ("2.2", "4.1"):
         write_tets(tmp_path / "a.msh", mesh, msh_version=version)

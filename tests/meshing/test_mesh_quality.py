@@ -61,3 +61,9 @@ def test_a_radius_ratio_is_that_of_the_two_spheres(seed):
     areas = [np.linalg.norm(np.cross(face[1] - face[0], face[2] - face[0])) / 2 for face in faces]
     inner = 3 * abs(np.linalg.det(edges)) / 6 / sum(areas)
     assert radius_ratios(vertices, TET)[0] == pytest.approx(3 * inner / outer, rel=1e-6)
+
+
+def test_a_tet_with_a_vertex_twice_has_no_angle():
+    doubled = REGULAR[[0, 1, 2, 2]]
+    assert dihedral_angles(doubled, TET).min() == 0
+    assert radius_ratios(doubled, TET) == 0

@@ -28,7 +28,7 @@ def write_mesh(path: str | Path, mesh: SolidMesh, *, msh_version: str = "2.2") -
     Raises:
         UserError: no format has that suffix, or there is no such version.
     """
-    if Path(path).suffix in SURFACES:
+    if Path(path).suffix.lower() in SURFACES:
         write_surface(path, mesh)
     else:
         write_tets(path, mesh, msh_version=msh_version)

@@ -11,7 +11,7 @@ def dihedral_angles(
 ) -> Float[np.ndarray, "T 6"]:
     """Angles in degrees between the two faces at each edge, in the order of `EDGES`.
 
-    A tet flattened to a plane has angles of 0 and 180.
+    A tet flattened to a plane has angles of 0 and 180; at a face without area the angle is 0.
     """
     corners = vertices[tets[:, FACES]]
     normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
@@ -19,7 +19,7 @@ def dihedral_angles(
     one, other = np.moveaxis(normals[:, EDGES[::-1]], 2, 0)
     sine = np.linalg.norm(np.cross(one, other), axis=-1)
     cosine = -np.einsum("tec,tec->te", one, other)
-    return np.degrees(np.arctan2(sine, cosine))
+    return np.degrees(np.where(one.any(axis=-1) & other.any(axis=-1), np.arctan2(sine, cosine), 0.0))
 
 
 def radius_ratios(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Float[np.ndarray, "T"]:
