@@ -56,7 +56,7 @@ def conv_and_weight_gradient(
     y, matrix = x.new_empty(*x.shape[:2], weight.shape[2]), weight.flatten(0, 1)
     for columns, out, part in _columns(x, neighbors, side, y, other):
         torch.mm(columns, matrix, out=out)
-        total += torch.mm(columns.T, part)
+        _add_product(total, columns.T, part)
     return y, total.view(SLOTS, x.shape[2], -1).to(x.dtype)
 
 
@@ -127,8 +127,15 @@ def _products_over_tets(x: Tensor, grad: Tensor, neighbors: TetNeighbors, side: 
     """shift_s(x)ᵀ g, summed over chunks."""
     total = _zeros(x, grad)
     for columns, part in _columns(x, neighbors, side, grad):
-        total += torch.mm(columns.T, part)
+        _add_product(total, columns.T, part)
     return total.view(SLOTS, x.shape[2], -1).to(x.dtype)
+
+
+def _add_product(total: Tensor, left: Tensor, right: Tensor) -> None:
+    if total.dtype == left.dtype:
+        total.addmm_(left, right)
+    else:
+        total += torch.mm(left, right)
 
 
 def _zeros(x: Tensor, other: Tensor) -> Tensor:
