@@ -52,12 +52,13 @@ def conv_and_weight_gradient(
     thinner = min(x.shape[2], other.shape[2])
     if choose_method(x.shape[0] * x.shape[1], *weight.shape[1:], thinner) == "first":
         return conv(x, weight, None, neighbors, side), weight_gradient(x, other, neighbors, side)
-    x, other, total = x.contiguous(), other.contiguous(), _zeros(x, other)
+    x, other = x.contiguous(), other.contiguous()
+    sums = _WeightSums(x, other)
     y, matrix = x.new_empty(*x.shape[:2], weight.shape[2]), weight.flatten(0, 1)
     for columns, out, part in _columns(x, neighbors, side, y, other):
         torch.mm(columns, matrix, out=out)
-        _add_product(total, columns.T, part)
-    return y, total.view(SLOTS, x.shape[2], -1).to(x.dtype)
+        sums.add(columns, part)
+    return y, sums.result()
 
 
 def _multiply_columns(
@@ -125,23 +126,35 @@ def _columns(x: Tensor, neighbors: TetNeighbors, side: Side, *along: Tensor) -> 
 
 def _products_over_tets(x: Tensor, grad: Tensor, neighbors: TetNeighbors, side: Side) -> Tensor:
     """shift_s(x)ᵀ g, summed over chunks."""
-    total = _zeros(x, grad)
+    sums = _WeightSums(x, grad)
     for columns, part in _columns(x, neighbors, side, grad):
-        _add_product(total, columns.T, part)
-    return total.view(SLOTS, x.shape[2], -1).to(x.dtype)
+        sums.add(columns, part)
+    return sums.result()
 
 
-def _add_product(total: Tensor, left: Tensor, right: Tensor) -> None:
-    if total.dtype == left.dtype:
-        total.addmm_(left, right)
-    else:
-        total += torch.mm(left, right)
+class _WeightSums:
+    """Sums over chunks of columns (n, 5 C) transposed times a part (n, E) of `other`; float32 at least.
 
+    Kept as (E, 5 C) unless E is the greater: a product with long rows is faster.
+    """
 
-def _zeros(x: Tensor, other: Tensor) -> Tensor:
-    """Sums over chunks, in float32 at least."""
-    dtype = torch.promote_types(x.dtype, torch.float32)
-    return torch.zeros(SLOTS * x.shape[2], other.shape[2], dtype=dtype, device=x.device)
+    def __init__(self, x: Tensor, other: Tensor) -> None:
+        self.shape, self.dtype = (SLOTS, x.shape[2], other.shape[2]), x.dtype
+        self.turned = SLOTS * x.shape[2] > 2 * other.shape[2]
+        size = SLOTS * x.shape[2], other.shape[2]
+        dtype = torch.promote_types(x.dtype, torch.float32)
+        self.total = torch.zeros(size[::-1] if self.turned else size, dtype=dtype, device=x.device)
+
+    def add(self, columns: Tensor, part: Tensor) -> None:
+        left, right = (part.T, columns) if self.turned else (columns.T, part)
+        if self.total.dtype == left.dtype:
+            self.total.addmm_(left, right)
+        else:
+            self.total += torch.mm(left, right)
+
+    def result(self) -> Float[Tensor, "5 C E"]:
+        total = self.total.T.contiguous() if self.turned else self.total
+        return total.view(self.shape).to(self.dtype)
 
 
 def _sum_rows(x: Float[Tensor, "N W"], bags: Bags) -> Tensor:
