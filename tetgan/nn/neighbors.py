@@ -23,7 +23,7 @@ class Bags(NamedTuple):
 
 
 class Chunk(NamedTuple):
-    """Some of the bags: their rows, and where these start, counted from `before`."""
+    """Some of the bags: their rows, and where each starts among all rows, `before` of which come first."""
 
     rows: Tensor
     starts: Tensor

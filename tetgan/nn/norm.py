@@ -97,9 +97,7 @@ def _before_activation(y: Tensor) -> Tensor:
     return functional.leaky_relu(y, 1 / SLOPE)
 
 
-def _through_activation(
-    grad: Tensor, y: Tensor, slope: float = SLOPE, out: Tensor | None = None
-) -> Tensor:
+def _through_activation(grad: Tensor, y: Tensor, slope: float = SLOPE, out: Tensor | None = None) -> Tensor:
     """A gradient times the slope where y is negative."""
     if out is None:
         return torch.ops.aten.leaky_relu_backward(grad, y, slope, True)
@@ -133,7 +131,7 @@ def _means(terms: Callable[..., tuple[Tensor, ...]], *tensors: Tensor) -> list[T
 
 
 def _chunks(read: Sequence[Tensor], written: Sequence[Tensor] = ()) -> Iterator[list[Tensor]]:
-    """A few tets of each at a time, so that what is made on the way fits a CPU's caches, or a corner of a GPU.
+    """A few tets of each at a time: what is made on the way fits a CPU's caches, or a corner of a GPU.
 
     Half precision is read as single and written back after the loop's body.
     """

@@ -16,7 +16,8 @@ from torch import Tensor
 from tetgan.nn.backends.plan import TABLE_BYTES, choose_method, chunk_size, rows_in_table
 from tetgan.nn.neighbors import SLOTS, Bags, Side, TetNeighbors
 
-_BIAS_ROWS = 64
+_BIAS_ROWS = 64  # that get their bias at once
+
 
 def conv(
     x: Float[Tensor, "T B C"],
@@ -77,7 +78,7 @@ def _multiply_columns(
 def _multiply_first(
     x: Tensor, weight: Tensor, bias: Tensor | None, neighbors: TetNeighbors, side: Side
 ) -> Tensor:
-    """All five products of every tet side by side, then a sum of five: gathering commutes with multiplying."""
+    """All five products of every tet, then sums of five rows: gathering commutes with multiplying."""
     tets, batch, channels = x.shape
     out = weight.shape[2]
     width = rows_in_table(out)
@@ -89,23 +90,23 @@ def _multiply_first(
     return (y if bias is None else _add_bias(y, bias)).view(tets, batch, out)
 
 
-def _scratch(x: Tensor, rows: int, columns: int) -> Tensor:
-    """Memory that the next caller overwrites: pages fresh from the kernel would cost more than the product."""
-    size = rows * columns * x.element_size()
-    if size > TABLE_BYTES or x.device.type != "cpu":
-        return x.new_empty(rows, columns)
-    if len(_kept.bytes) < size:
-        _kept.bytes = torch.empty(size, dtype=torch.uint8)
-    return _kept.bytes[:size].view(x.dtype).view(rows, columns)
-
-
 class _Kept(local):
-    """Of each Python thread."""
+    """Memory for products, a block for each Python thread: new pages would cost more than the products."""
 
-    bytes = torch.empty(0, dtype=torch.uint8)
+    block = torch.empty(0, dtype=torch.uint8)
 
 
 _kept = _Kept()
+
+
+def _scratch(x: Tensor, rows: int, columns: int) -> Tensor:
+    """Room of the kind of `x`, which the next caller overwrites."""
+    size = rows * columns * x.element_size()
+    if size > TABLE_BYTES or x.device.type != "cpu":
+        return x.new_empty(rows, columns)
+    if len(_kept.block) < size:
+        _kept.block = torch.empty(size, dtype=torch.uint8)
+    return _kept.block[:size].view(x.dtype).view(rows, columns)
 
 
 def _add_bias(y: Tensor, bias: Tensor) -> Tensor:
@@ -116,7 +117,7 @@ def _add_bias(y: Tensor, bias: Tensor) -> Tensor:
 
 
 def _columns(x: Tensor, neighbors: TetNeighbors, side: Side, *along: Tensor) -> Iterator[tuple[Tensor, ...]]:
-    """Chunks of tets: of each tet and shape the five rows side by side, (n·B, 5 C), and its rows of `along`."""
+    """Chunks of tets: five rows of each tet and shape side by side, (n·B, 5 C), and its row of `along`."""
     _, batch, channels = x.shape
     rows, size = x.view(-1, channels), chunk_size(x)
     parts = [tensor.flatten(0, 1).split(size * batch) for tensor in along]
