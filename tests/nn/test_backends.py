@@ -162,7 +162,9 @@ def test_bias_of_any_number_of_rows(rows):
     assert torch.equal(cpu._add_bias(y.clone(), bias), y + bias)
 
 
-def test_chunks_share_the_rows_of_all_bags(neighbors):
+@pytest.mark.parametrize("few", [0, 1 << 19])
+def test_chunks_share_the_rows_of_all_bags(neighbors, monkeypatch, few):
+    monkeypatch.setattr(neighbors_module, "FEW", few)
     gathers = TetNeighbors(neighbors).gathers("adjoint", 3)
     for size in (80, 192, 1024):
         chunks = gathers.chunks(size)

@@ -9,6 +9,7 @@ from jaxtyping import Int
 from torch import Tensor, nn
 
 SLOTS = 5  # the tet itself, then its neighbor across the face opposite each of its four vertices
+FEW = 1 << 19  # bags whose starts are counted anew for each size of chunks, rather than each time
 KEPT = 12  # tables of sides and batches, the size of a narrow layer's features each
 
 Side = Literal["product", "adjoint"]
@@ -48,8 +49,11 @@ class Gathers:
             step = size * self.batch * SLOTS
             parts = [starts[first : first + step + 1] for first in range(0, len(starts) - 1, step)]
             ends = [(int(part[0]), int(part[-1])) for part in parts]
+            if len(starts) <= FEW:
+                parts = [part - first for part, (first, _) in zip(parts, ends, strict=True)]
             self._chunks[size] = [
-                Chunk(rows[first:last], part, first) for part, (first, last) in zip(parts, ends, strict=True)
+                Chunk(rows[first:last], part, 0 if len(starts) <= FEW else first)
+                for part, (first, last) in zip(parts, ends, strict=True)
             ]
         return self._chunks[size]
 
