@@ -1,7 +1,17 @@
-"""The tetrahedral convolution beside its plain form, in one run: `python -m benchmarks.conv`."""
+"""The tetrahedral convolution beside its plain form, in one run: `python -m benchmarks.conv`.
 
+On a CPU each run is a process of its own, so that what ran before decides nothing. Freed memory goes back to
+the kernel, as PyTorch leaves it, and the plain form pays for the pages of its large buffers each time. The
+commands keep it (tetgan/training/memory.py): the ratios with memory kept on both sides stand beside.
+"""
+
+import json
+import subprocess
+import sys
 from collections.abc import Callable
+from contextlib import nullcontext
 from dataclasses import dataclass
+from pathlib import Path
 from statistics import geometric_mean, median
 from time import perf_counter
 from typing import Annotated, Any
@@ -13,6 +23,7 @@ from torch import Tensor
 from benchmarks.naive import around, linear_form, naive_tet_conv
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.nn.conv import SLOTS, TetNeighbors, conv_backend, input_gradients_only, tet_conv
+from tetgan.training.memory import keep_freed_memory
 
 Result = dict[str, Any]
 
@@ -32,6 +43,7 @@ class Case:
 
 
 CASES = (Case(64, 64, 1, 3), Case(16, 16, 8, 2), Case(32, 32, 8, 2), Case(4, 64, 1, 3), Case(64, 4, 1, 3))
+CPU = torch.device("cpu")
 GPU_CASE = Case(64, 64, 30, 3)
 CPU_TARGETS = {"forward": 3.5, "backward": 3.0, "penalty": 3.0}
 GPU_TARGETS = {"forward": 4.0, "backward": None, "penalty": 3.0}
@@ -67,18 +79,33 @@ def run(quick: bool, device: torch.device | None = None) -> dict[str, Result]:
     device = device or torch.device("cuda" if torch.cuda.is_available() else "cpu")
     if device.type == "cuda":
         return run_gpu(5 if quick else 21, device)
+    kept = run_in_a_process(quick, "--keep-memory")
+    means = {f"{name}, memory kept": each for name, each in kept.items() if name.endswith("mean_ratio")}
+    return run_in_a_process(quick) | {name: {**each, "target": None} for name, each in means.items()}
+
+
+def run_in_a_process(quick: bool, *options: str) -> dict[str, Result]:
+    """What `run_cpu` finds in a fresh process."""
+    command = [sys.executable, "-m", "benchmarks.conv", "--json", f"--threads={torch.get_num_threads()}"]
+    command += ["--device=cpu", *options, *(["--quick"] if quick else [])]
+    root = Path(__file__).parent.parent
+    return json.loads(subprocess.run(command, check=True, stdout=subprocess.PIPE, cwd=root).stdout)
+
+
+def run_cpu(repeats: int) -> dict[str, Result]:
+    """Ratios of naive to our time for each case and pass, and their geometric means."""
     results: dict[str, Result] = {}
     for name, target in CPU_TARGETS.items():
         ratios = {}
         for case in CASES:
-            naive, ours = build_sides(case, device, torch.float32)
-            plain, fast = interleaved(naive, ours, name, 3 if quick else 11)
+            naive, ours = build_sides(case, CPU, torch.float32)
+            plain, fast = interleaved(naive, ours, name, repeats)
             ratios[case.name] = plain / fast
-            results[f"conv.{name}.{case.name}.ms"] = result(1e3 * fast, "ms", None, "lower", device)
+            results[f"conv.{name}.{case.name}.ms"] = result(1e3 * fast, "ms", None, "lower", CPU)
         for case_name, ratio in ratios.items():
-            results[f"conv.{name}.{case_name}.ratio"] = result(ratio, "times", None, "higher", device)
+            results[f"conv.{name}.{case_name}.ratio"] = result(ratio, "times", None, "higher", CPU)
         mean = geometric_mean(ratios.values())
-        results[f"conv.{name}.mean_ratio"] = result(mean, "times", target, "higher", device)
+        results[f"conv.{name}.mean_ratio"] = result(mean, "times", target, "higher", CPU)
     return results
 
 
@@ -179,25 +206,29 @@ def peak_bytes(work: Callable[[], object]) -> int:
 
 def result(value: float, unit: str, target: float | None, better: str, device: torch.device) -> Result:
     """One entry of the table of benchmarks."""
-    threads = f"CPU, {torch.get_num_threads()} threads"
-    name = torch.cuda.get_device_name(device) if device.type == "cuda" else threads
+    name = torch.cuda.get_device_name(device) if device.type == "cuda" else "cpu"
     return {"value": value, "unit": unit, "target": target, "better": better, "device": name}
 
 
 def main(
+    *,
     quick: Annotated[bool, typer.Option(help="Three repeats instead of eleven.")] = False,
     threads: Annotated[int, typer.Option(help="Threads of torch.")] = 2,
     device: Annotated[str, typer.Option(help="cpu or cuda; left out, CUDA where there is one.")] = "",
     backend: Annotated[str, typer.Option(help="Force reference, cpu or triton.")] = "",
+    keep_memory: Annotated[bool, typer.Option(help="Both sides keep freed memory.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Naive and our seconds of a forward, a backward and a gradient-penalty pass."""
     torch.set_num_threads(threads)
-    chosen = torch.device(device) if device else None
-    if backend:
-        with conv_backend(backend):
-            results = run(quick, chosen)
-    else:
-        results = run(quick, chosen)
+    if keep_memory:
+        keep_freed_memory()
+    chosen = torch.device(device or ("cuda" if torch.cuda.is_available() else "cpu"))
+    with conv_backend(backend) if backend else nullcontext():
+        results = run(quick, chosen) if chosen.type == "cuda" else run_cpu(3 if quick else 11)
+    if as_json:
+        typer.echo(json.dumps(results))
+        return
     for name, entry in results.items():
         target = "" if entry["target"] is None else f"  (target {entry['target']:.2f})"
         typer.echo(f"{name:48s}{entry['value']:9.2f} {entry['unit']}{target}")

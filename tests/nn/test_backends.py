@@ -10,6 +10,7 @@ import torch
 
 from tetgan.errors import UserError
 from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.nn import neighbors as neighbors_module
 from tetgan.nn.backends import choice, cpu, plan, reference
 from tetgan.nn.backends.choice import backend_for, triton_works
 from tetgan.nn.conv import SLOTS, TetNeighbors, conv_backend, tet_conv
@@ -111,27 +112,77 @@ def test_half_precision_of_every_backend(few, backend):
     torch.testing.assert_close(half.float(), reference.tet_conv(x, weight, bias, maps), rtol=0.05, atol=0.05)
 
 
-ORDERS = [
-    ("columns", 1, 4),
-    ("accumulate", 1, 4),
-    ("accumulate", 3, 4),
-    ("first", 1, 4),
-    ("first", 3, 4),
-    ("first", 3, 1),
-]
-
-
 @pytest.mark.parametrize("side", ["product", "adjoint"])
-@pytest.mark.parametrize("order", ORDERS)
-def test_every_order_of_gathering_and_multiplying(neighbors, monkeypatch, order, side):
-    method, batch, out = order
+@pytest.mark.parametrize("method", ["columns", "first"])
+@pytest.mark.parametrize("widths", [(1, 4), (3, 4), (1, 1), (3, 1), (3, 2), (2, 17)])
+def test_every_order_of_gathering_and_multiplying(neighbors, monkeypatch, method, widths, side):
+    batch, out = widths
     monkeypatch.setattr(cpu, "choose_method", lambda *_: method)
     monkeypatch.setattr(cpu, "chunk_size", lambda _: 80)  # 192 tets: the last chunk is not full
     shapes = (len(neighbors), batch, 6), (SLOTS, 6, out), (out,)
     x, weight, bias = (draw(s, *shape, dtype=torch.float64).detach() for s, shape in enumerate(shapes))
     wanted = sum(shift(neighbors, slot, side) @ (x @ weight[slot]).flatten(1) for slot in range(SLOTS))
-    got = cpu.conv(x, weight, bias, TetNeighbors(neighbors), side)
-    torch.testing.assert_close(got, wanted.view(got.shape) + bias, rtol=1e-12, atol=1e-12)
+    for offset in (bias, None):
+        got = cpu.conv(x, weight, offset, TetNeighbors(neighbors), side)
+        right = wanted.view(got.shape) + (0 if offset is None else offset)
+        torch.testing.assert_close(got, right, rtol=1e-12, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["columns", "first"])
+@pytest.mark.parametrize("other", [3, 9, 40])
+def test_both_products_of_the_same_rows(neighbors, monkeypatch, method, other):
+    monkeypatch.setattr(cpu, "choose_method", lambda *_: method)
+    monkeypatch.setattr(cpu, "chunk_size", lambda _: 80)
+    shapes = (len(neighbors), 2, 6), (SLOTS, 6, 4), (len(neighbors), 2, other)
+    x, weight, z = (draw(s, *shape, dtype=torch.float64).detach() for s, shape in enumerate(shapes))
+    maps = TetNeighbors(neighbors)
+    got = cpu.conv_and_weight_gradient(x, weight, z, maps, "adjoint")
+    wanted = cpu.conv(x, weight, None, maps, "adjoint"), cpu.weight_gradient(x, z, maps, "adjoint")
+    torch.testing.assert_close(got, wanted, rtol=1e-12, atol=1e-12)
+
+
+def test_memory_for_products_is_used_again_and_never_handed_out(neighbors, monkeypatch):
+    monkeypatch.setattr(cpu, "choose_method", lambda *_: "first")
+    maps, results = TetNeighbors(neighbors), []
+    for batch in (2, 1, 3):
+        x, weight = draw(batch, len(neighbors), batch, 6).detach(), draw(9, SLOTS, 6, 4).detach()
+        results.append((cpu.conv(x, weight, None, maps, "product"), x, weight))
+    for got, x, weight in results:
+        torch.testing.assert_close(got, reference.tet_conv(x, weight, None, maps), rtol=1e-4, atol=1e-4)
+    block = cpu._kept.block.data_ptr()
+    assert all(got.untyped_storage().data_ptr() != block for got, _, _ in results)
+    monkeypatch.setattr(cpu, "TABLE_BYTES", 0)
+    got, x, weight = results[0]
+    assert torch.equal(cpu.conv(x, weight, None, maps, "product"), got)
+
+
+@pytest.mark.parametrize("rows", [1, 7, 64, 96])
+def test_bias_of_any_number_of_rows(rows):
+    y, bias = draw(0, rows, 3).detach(), draw(1, 3).detach()
+    assert torch.equal(cpu._add_bias(y.clone(), bias), y + bias)
+
+
+@pytest.mark.parametrize("few", [0, 1 << 19])
+def test_chunks_share_the_rows_of_all_bags(neighbors, monkeypatch, few):
+    monkeypatch.setattr(neighbors_module, "FEW", few)
+    gathers = TetNeighbors(neighbors).gathers("adjoint", 3)
+    for size in (80, 192, 1024):
+        chunks = gathers.chunks(size)
+        assert torch.equal(torch.cat([chunk.rows for chunk in chunks]), gathers.bags.rows)
+        lengths = torch.cat([chunk.bags().starts.diff() for chunk in chunks])
+        assert torch.equal(lengths, gathers.bags.starts.diff())
+        assert all(chunk.bags().starts[0] == 0 for chunk in chunks)
+        assert chunks[-1].rows.untyped_storage().data_ptr() == gathers.bags.rows.untyped_storage().data_ptr()
+
+
+def test_tables_of_few_batches_are_kept(few, monkeypatch):
+    monkeypatch.setattr(neighbors_module, "KEPT", 2)
+    maps = TetNeighbors(few)
+    first = maps.gathers("product", 1)
+    assert maps.gathers("product", 1) is first
+    for batch in (2, 3):
+        maps.gathers("product", batch)
+    assert maps.gathers("product", 1) is not first
 
 
 @pytest.mark.parametrize("side", ["product", "adjoint"])
@@ -169,14 +220,29 @@ def test_tables_pad_each_bag_with_the_outside(neighbors):
             ]
 
 
-def test_thin_outputs_are_multiplied_first_and_single_shapes_in_columns():
-    assert plan.choose_method(1, 64, 4) == "first"
-    assert plan.choose_method(8, 16, 16) == "accumulate"
-    assert plan.choose_method(1, 4, 64) == "columns"
+def test_thin_outputs_are_multiplied_first():
+    rows = 8 * 9216
+    for channels in (4, 16, 64):
+        assert plan.choose_method(rows, channels, 1) == plan.choose_method(rows, channels, 4) == "first"
+        assert plan.choose_method(rows, 4, channels) == ("first" if channels == 4 else "columns")
+
+
+def test_a_table_of_products_that_does_not_stay_costs_more_than_columns():
+    assert plan.choose_method(9216, 64, 64) == "first"
+    assert plan.choose_method(2**20, 64, 64) == "columns"
+
+
+def test_columns_with_two_uses_are_gathered():
+    assert plan.choose_method(9216, 16, 16) == "first"
+    assert plan.choose_method(9216, 16, 16, gathered_again=16) == "columns"
+
+
+def test_thin_tables_fill_a_register():
+    assert [plan.rows_in_table(out) for out in (1, 2, 3, 4, 16, 64)] == [16, 8, 5, 5, 5, 5]
 
 
 def test_chunks_are_powers_of_two_and_not_too_small():
-    sizes = [plan.chunk_size(torch.empty(1, *shape)) for shape in [(1, 1), (8, 16), (8, 17), (30, 4096)]]
+    sizes = [plan.chunk_size(torch.empty(1, *shape)) for shape in [(1, 1), (8, 16), (8, 33), (30, 4096)]]
     assert all(size & (size - 1) == 0 for size in sizes)
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[-1] == 64

@@ -9,6 +9,8 @@ from jaxtyping import Int
 from torch import Tensor, nn
 
 SLOTS = 5  # the tet itself, then its neighbor across the face opposite each of its four vertices
+FEW = 1 << 19  # bags whose starts are counted anew for each size of chunks, rather than each time
+KEPT = 12  # tables of sides and batches, the size of a narrow layer's features each
 
 Side = Literal["product", "adjoint"]
 Made = TypeVar("Made")
@@ -22,11 +24,47 @@ class Bags(NamedTuple):
 
 
 class Chunk(NamedTuple):
-    """The bags of the tets first … last − 1."""
+    """Some of the bags: their rows, and where each starts among all rows, `before` of which come first."""
 
-    first: int
-    last: int
-    bags: Bags
+    rows: Tensor
+    starts: Tensor
+    before: int
+
+    def bags(self) -> Bags:
+        return Bags(self.rows, self.starts - self.before if self.before > 0 else self.starts)
+
+
+class Gathers:
+    """The five bags of each tet, shape by shape, of the rows of features (T·B, C): (T, B, 5) bags."""
+
+    def __init__(self, bags: Bags, batch: int) -> None:
+        self.bags, self.batch = bags, batch
+        self._chunks: dict[int, list[Chunk]] = {}
+        self._sums: dict[int, Bags] = {}
+
+    def chunks(self, size: int) -> list[Chunk]:
+        """The bags of `size` tets at a time. They share one table, so every size costs next to nothing."""
+        if size not in self._chunks:
+            rows, starts = self.bags
+            step = size * self.batch * SLOTS
+            parts = [starts[first : first + step + 1] for first in range(0, len(starts) - 1, step)]
+            ends = [(int(part[0]), int(part[-1])) for part in parts]
+            if len(starts) <= FEW:
+                parts = [part - first for part, (first, _) in zip(parts, ends, strict=True)]
+            self._chunks[size] = [
+                Chunk(rows[first:last], part, 0 if len(starts) <= FEW else first)
+                for part, (first, last) in zip(parts, ends, strict=True)
+            ]
+        return self._chunks[size]
+
+    def sums(self, width: int) -> Bags:
+        """One bag a tet and shape: five rows of a table (T·B, `width`), which holds a row for each slot."""
+        if width not in self._sums:
+            rows, starts = self.bags
+            slots = torch.arange(len(starts) - 1, dtype=rows.dtype, device=rows.device) % SLOTS
+            places = rows * width + slots.repeat_interleave(starts.diff())
+            self._sums[width] = Bags(places, starts[::SLOTS].contiguous())
+        return self._sums[width]
 
 
 class TetNeighbors(nn.Module):
@@ -50,18 +88,17 @@ class TetNeighbors(nn.Module):
         # The grid determines it; it is not a weight to be saved.
         self.register_buffer("table", torch.from_numpy(neighbors.astype(np.int32)), persistent=False)
         self._made: dict[tuple[object, ...], object] = {}
+        self._gathers: dict[torch.device, dict[tuple[Side, int], Gathers]] = {}
 
-    def slotwise(self, side: Side, size: int) -> list[Chunk]:
-        """Chunks of `size` tets, each with the bags of slot 1, then of slot 2, …: (4, size) bags."""
-        return self._once(("slotwise", side, size), lambda: self._chunks(side, size, slot_first=True))
-
-    def tetwise(self, side: Side, size: int) -> list[Chunk]:
-        """Chunks of `size` tets, each with the five bags of a tet side by side: (size, 5) bags."""
-        return self._once(("tetwise", side, size), lambda: self._chunks(side, size, slot_first=False))
-
-    def sums(self, side: Side, *, slot_first: bool) -> Bags:
-        """One bag a tet: its five rows of a table (5, T) of rows (`slot_first`) or (T, 5)."""
-        return self._once(("sums", side, slot_first), lambda: self._sums(side, slot_first))
+    def gathers(self, side: Side, batch: int) -> Gathers:
+        """The tables of so many shapes; those of the last few sizes of a batch are kept."""
+        made = self._gathers.setdefault(self.table.device, {})
+        if (side, batch) not in made:
+            if len(made) >= KEPT:
+                del made[next(iter(made))]
+            rows, starts = _of_shapes(*self._bags(side), batch)
+            made[side, batch] = Gathers(Bags(self._on_device(rows), self._on_device(starts)), batch)
+        return made[side, batch]
 
     def padded(self, side: Side) -> Int[Tensor, "T 5 depth"]:
         """The rows of every bag, -1 where it has fewer than the longest."""
@@ -75,25 +112,6 @@ class TetNeighbors(nn.Module):
 
     def _bags(self, side: Side) -> tuple[np.ndarray, np.ndarray]:
         return self._once(("bags", side), lambda: _bags(self.table.cpu().numpy(), side))
-
-    def _chunks(self, side: Side, size: int, slot_first: bool) -> list[Chunk]:
-        rows, starts = self._bags(side)
-        chunks = []
-        for first in range(0, self.tets, size):
-            last = min(first + size, self.tets)
-            bags = np.arange(first * SLOTS, last * SLOTS).reshape(-1, SLOTS)
-            order = bags[:, 1:].T if slot_first else bags
-            chunks.append(Chunk(first, last, self._put(*_select_bags(rows, starts, order.ravel()))))
-        return chunks
-
-    def _sums(self, side: Side, slot_first: bool) -> Bags:
-        rows, starts = self._bags(side)
-        slots = np.repeat(np.arange(len(starts) - 1) % SLOTS, np.diff(starts))
-        places = slots * self.tets + rows if slot_first else rows * SLOTS + slots
-        return self._put(places, starts[::SLOTS])
-
-    def _put(self, rows: np.ndarray, starts: np.ndarray) -> Bags:
-        return Bags(self._on_device(rows), self._on_device(starts))
 
     def _on_device(self, values: np.ndarray) -> Tensor:
         return torch.from_numpy(values.astype(np.int32)).to(self.table.device)
@@ -114,12 +132,14 @@ def _bags(
     return rows[order], np.concatenate([[0], np.cumsum(counts)])
 
 
-def _select_bags(rows: np.ndarray, starts: np.ndarray, order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The bags named by `order`, one after another."""
-    lengths = (starts[1:] - starts[:-1])[order]
+def _of_shapes(rows: np.ndarray, starts: np.ndarray, batch: int) -> tuple[np.ndarray, np.ndarray]:
+    """From bags (T, 5) of tets to bags (T, B, 5) of the rows (T·B, C) of their shapes."""
+    lengths = np.diff(starts).reshape(-1, 1, SLOTS).repeat(batch, axis=1)
     ends = np.concatenate([[0], np.cumsum(lengths)])
-    places = np.repeat(starts[order] - ends[:-1], lengths) + np.arange(ends[-1])
-    return rows[places], ends
+    firsts = np.broadcast_to(starts[:-1].reshape(-1, 1, SLOTS), lengths.shape)
+    places = np.repeat(firsts.ravel() - ends[:-1], lengths.ravel()) + np.arange(ends[-1])
+    shapes = np.broadcast_to(np.arange(batch)[:, None], lengths.shape)
+    return rows[places] * batch + np.repeat(shapes.ravel(), lengths.ravel()), ends
 
 
 def _padded(rows: np.ndarray, starts: np.ndarray) -> Int[np.ndarray, "T 5 depth"]:

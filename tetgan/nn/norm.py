@@ -1,6 +1,6 @@
 """Instance normalisation and the activation behind it, in one step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import torch
@@ -10,7 +10,7 @@ from torch.autograd.function import once_differentiable
 from torch.nn import functional
 
 SLOPE = 0.2
-CPU_CHUNK, GPU_CHUNK = 2**17, 2**24  # numbers
+CPU_CHUNK, GPU_CHUNK = 2**17, 2**24  # numbers; on a CPU, of each thread
 
 
 class TetInstanceNorm(nn.Module):
@@ -39,10 +39,10 @@ class _NormActivate(torch.autograd.Function):
     def forward(ctx: Any, x: Tensor, eps: float) -> tuple[Tensor, Tensor]:
         mean, variance = _mean_and_variance(x)
         scale = torch.rsqrt(variance + eps)
-        y = torch.empty_like(x)
-        for rows in _chunks(x):
-            normal = (x[rows] - mean).mul_(scale)
-            y[rows] = functional.leaky_relu_(normal, SLOPE)
+        # Rounding of x r is that of x itself, so taking the mean off afterwards costs no more digits.
+        shift, y = -mean * scale, torch.empty_like(x)
+        for part, out in _chunks([x], [y]):
+            functional.leaky_relu_(torch.addcmul(shift, part, scale, out=out), SLOPE)
         ctx.save_for_backward(y, scale)
         return y, scale
 
@@ -61,12 +61,13 @@ class _Gradient(torch.autograd.Function):
     @staticmethod
     def forward(ctx: Any, grad: Tensor, y: Tensor, scale: Tensor, grad_scale: Tensor) -> Tensor:
         ctx.save_for_backward(grad, y, scale)
-        grad_mean, along = _means(lambda h, normal: (h, h * normal), grad, y)
+        # h x̂ is g y: the slope goes out of it.
+        grad_mean, along = _means(lambda g, y: (_through_activation(g, y), g * y), grad, y)
         along = scale * along + scale.square() * grad_scale / len(y)
-        out = torch.empty_like(y)
-        for rows in _chunks(y):
-            h, normal = _inside(grad[rows], y[rows])
-            out[rows] = (h - grad_mean).mul_(scale).addcmul_(normal, along, value=-1)
+        shift, out = -scale * grad_mean, torch.empty_like(y)
+        for g, part, part_out in _chunks([grad, y], [out]):
+            h, normal = _through_activation(g, part), _before_activation(part)
+            torch.addcmul(shift, h, scale, out=part_out).addcmul_(normal, along, value=-1)
         return out
 
     @staticmethod
@@ -74,30 +75,33 @@ class _Gradient(torch.autograd.Function):
     def backward(ctx: Any, v: Tensor) -> tuple[Tensor, Tensor, Tensor, Tensor]:  # type: ignore[override]
         """By g: the same projection of v. By y: −r (q v + p h) / leaky', p = mean(v x̂), q = mean(h x̂)."""
         grad, y, scale = ctx.saved_tensors
-        v_mean, p, grad_mean, q, both = _means(
-            lambda h, normal, v: (v, v * normal, h, h * normal, v * h), grad, y, v
-        )
+        v_mean, p, grad_mean, q, both = _means(_second_terms, v, grad, y)
         by_scale = len(y) * (both - v_mean * grad_mean - p * q)
-        by_grad, by_y, p_scaled, q_scaled = torch.empty_like(y), torch.empty_like(y), scale * p, -scale * q
-        for rows in _chunks(y):
-            h, normal = _inside(grad[rows], y[rows])
-            part = v[rows].to(scale.dtype)
-            projected = (part - v_mean).mul_(scale).addcmul_(normal, p_scaled, value=-1)
-            by_grad[rows] = _through_activation(projected, y[rows])
-            by_normal = (part * q_scaled).addcmul_(h, p_scaled, value=-1)
-            by_y[rows] = torch.ops.aten.leaky_relu_backward(by_normal, y[rows], 1 / SLOPE, True)
+        shift, p_scaled, q_scaled = -scale * v_mean, -scale * p, -scale * q
+        by_grad, by_y = torch.empty_like(y), torch.empty_like(y)
+        for u, g, part, grad_out, y_out in _chunks([v, grad, y], [by_grad, by_y]):
+            projected = torch.addcmul(shift, u, scale).addcmul_(_before_activation(part), p_scaled)
+            _through_activation(projected, part, out=grad_out)
+            by_normal = (u * q_scaled).addcmul_(_through_activation(g, part), p_scaled)
+            _through_activation(by_normal, part, 1 / SLOPE, out=y_out)
         return by_grad, by_y, by_scale, -scale.square() * p
 
 
-def _inside(grad: Tensor, y: Tensor) -> tuple[Tensor, Tensor]:
-    """The gradient in front of the activation, and what the activation was applied to; single precision."""
-    exact = torch.promote_types(y.dtype, torch.float32)
-    y = y.to(exact)
-    return _through_activation(grad.to(exact), y), functional.leaky_relu(y, 1 / SLOPE)
+def _second_terms(v: Tensor, grad: Tensor, y: Tensor) -> tuple[Tensor, ...]:
+    h = _through_activation(grad, y)
+    return v, v * _before_activation(y), h, grad * y, v * h
 
 
-def _through_activation(grad: Tensor, y: Tensor) -> Tensor:
-    return torch.ops.aten.leaky_relu_backward(grad, y.to(grad.dtype), SLOPE, True)
+def _before_activation(y: Tensor) -> Tensor:
+    """What leaky ReLU was applied to."""
+    return functional.leaky_relu(y, 1 / SLOPE)
+
+
+def _through_activation(grad: Tensor, y: Tensor, slope: float = SLOPE, out: Tensor | None = None) -> Tensor:
+    """A gradient times the slope where y is negative."""
+    if out is None:
+        return torch.ops.aten.leaky_relu_backward(grad, y, slope, True)
+    return torch.ops.aten.leaky_relu_backward(grad, y, slope, True, grad_input=out)
 
 
 def _mean_and_variance(x: Tensor) -> tuple[Tensor, Tensor]:
@@ -105,34 +109,39 @@ def _mean_and_variance(x: Tensor) -> tuple[Tensor, Tensor]:
 
     A mean of squares less a squared mean would lose all digits where the mean is large.
     """
-    chunks, means, squares = _chunks(x), [], []
-    for rows in chunks:
-        part = x[rows].to(torch.promote_types(x.dtype, torch.float32))
+    shares, means, squares = [], [], []
+    for (part,) in _chunks([x]):
+        shares.append(len(part) / len(x))
         means.append(part.mean(dim=0))
         squares.append((part - means[-1]).square_().sum(dim=0))
     each = torch.stack(means)
-    share = each.new_full((len(chunks), 1, 1), len(x[chunks[0]]) / len(x))
-    share[-1] = len(x[chunks[-1]]) / len(x)
+    share = each.new_tensor(shares)[:, None, None]
     mean = (share * each).sum(dim=0)
     between = (share * (each - mean).square()).sum(dim=0)
     return mean, torch.stack(squares).sum(dim=0) / len(x) + between
 
 
-def _means(
-    terms: Callable[..., tuple[Tensor, ...]], grad: Tensor, y: Tensor, *further: Tensor
-) -> list[Tensor]:
-    """Means over tets of what `terms` makes of the gradient in front of the activation, x̂ and the rest."""
+def _means(terms: Callable[..., tuple[Tensor, ...]], *tensors: Tensor) -> list[Tensor]:
+    """Means over tets of what `terms` makes of the tensors."""
     sums: list[Tensor] = []
-    for rows in _chunks(y):
-        h, normal = _inside(grad[rows], y[rows])
-        parts = terms(h, normal, *(values[rows].to(h.dtype) for values in further))
-        found = [part.sum(dim=0) for part in parts]
+    for parts in _chunks(tensors):
+        found = [term.sum(dim=0) for term in terms(*parts)]
         sums = [total + part for total, part in zip(sums, found, strict=True)] if sums else found
-    return [total / len(y) for total in sums]
+    return [total / len(tensors[0]) for total in sums]
 
 
-def _chunks(x: Tensor) -> list[slice]:
-    """Tets to take at a time, so that what is made on the way fits a CPU's cache, or a corner of a GPU."""
-    numbers = CPU_CHUNK if x.device.type == "cpu" else GPU_CHUNK
+def _chunks(read: Sequence[Tensor], written: Sequence[Tensor] = ()) -> Iterator[list[Tensor]]:
+    """A few tets of each at a time: what is made on the way fits a CPU's caches, or a corner of a GPU.
+
+    Half precision is read as single and written back after the loop's body.
+    """
+    x = read[0]
+    exact = torch.promote_types(x.dtype, torch.float32)
+    numbers = CPU_CHUNK * torch.get_num_threads() if x.device.type == "cpu" else GPU_CHUNK
     size = max(1, numbers // max(1, x[0].numel()))
-    return [slice(first, first + size) for first in range(0, len(x), size)]
+    for parts in zip(*(tensor.split(size) for tensor in (*read, *written)), strict=True):
+        inside = [part if part.dtype == exact else part.to(exact) for part in parts]
+        yield inside
+        for part, changed in zip(parts[len(read) :], inside[len(read) :], strict=True):
+            if changed is not part:
+                part.copy_(changed)

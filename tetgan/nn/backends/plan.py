@@ -12,54 +12,58 @@ from torch import Tensor
 
 from tetgan.nn.neighbors import SLOTS
 
-Method = Literal["columns", "accumulate", "first"]
+Method = Literal["columns", "first"]
 
-CHUNK_BYTES = 1 << 20  # gathered rows of a chunk, a thread: about a core's own cache
+CHUNK_BYTES = 5 << 17  # gathered rows of a chunk, a thread: they share a core's own cache with what they meet
+TABLE_BYTES = 96 << 20  # of products, kept from one convolution to the next
 _FEWEST = 64  # tets in a chunk; fewer would be all overhead
 _NUMBER = 4  # bytes
+_LANES = 16  # numbers of a vector register
 
 
 def chunk_size(x: Tensor) -> int:
-    """Tets to take at a time: a power of two, so that few tables are kept; all of them off the CPU."""
+    """Tets to take at a time, a power of two; all of them off the CPU."""
     if x.device.type != "cpu":
         return max(len(x), 1)
-    fit = CHUNK_BYTES * torch.get_num_threads() // ((SLOTS - 1) * x[0].numel() * x.element_size())
+    fit = CHUNK_BYTES * torch.get_num_threads() // (SLOTS * x[0].numel() * x.element_size())
     return 1 << max(fit, _FEWEST).bit_length() - 1
 
 
-@cache
-def choose_method(batch: int, channels: int, out: int) -> Method:
-    """The method with the least time a tet and shape.
+def rows_in_table(out: int) -> int:
+    """Of results a tet and shape, where products come first: the five slots, or what fills a register."""
+    return max(SLOTS, _LANES // out) if _LANES % out == 0 else SLOTS
 
-    `columns` gathers five rows beside each other and multiplies once: only B = 1 leaves them in order.
-    `accumulate` adds a product for each slot. `first` multiplies, then sums rows of results: for few of them.
+
+@cache
+def choose_method(rows: int, channels: int, out: int, gathered_again: int = 0) -> Method:
+    """The method with the least time for so many tets and shapes.
+
+    `columns` gathers five rows beside each other and multiplies once. `first` multiplies, then sums rows of
+    results, from a table that is large unless they are few. Who has another use for the columns says how
+    many channels it would gather without them.
     """
-    times: dict[Method, float] = {
-        "accumulate": SLOTS * _product(channels, out) + (SLOTS - 1) * _row(batch * channels) / batch,
-        "first": _products_first(batch, channels, out) + SLOTS * 1.5 * _row(batch * out) / batch,
-    }
-    if batch == 1:
-        times["columns"] = _product(SLOTS * channels, out) + SLOTS * _row(channels)
-    return min(times, key=times.__getitem__)
+    table = rows_in_table(out) * out
+    columns = _product(SLOTS * channels, out) + SLOTS * _gathered(channels)
+    first = _product(channels, table) + table * _through_memory(rows * table) + SLOTS * _summed(out)
+    again = SLOTS * _gathered(gathered_again) if gathered_again else 0.0
+    return "columns" if columns <= first + again else "first"
 
 
 def _product(inner: int, out: int) -> float:
-    """A row of a matrix product; fewer than 16 columns leave most of a vector register empty."""
-    if out == 1:
-        return 1 + 0.08 * inner
-    if out <= 8:
-        return 2 + 1.08 * inner
-    filled = -out % 16 + out
-    return filled * (0.1 + 0.0205 * inner) * (1.6 if out < 16 else 1)
+    """A row of a matrix product, in whole vector registers."""
+    return (-out % _LANES + out) * (0.05 + 0.0135 * inner)
 
 
-def _row(numbers: int) -> float:
-    """A gathered row: an address to follow, then bytes from the second or third cache."""
-    return 4 + _NUMBER * numbers / 32
+def _gathered(numbers: int) -> float:
+    """A row copied: an address to follow, then bytes from the second or third cache."""
+    return 2.8 + 0.26 * numbers
 
 
-def _products_first(batch: int, channels: int, out: int) -> float:
-    if out == 1:
-        return SLOTS * _product(channels, 1)
-    permuted = 0.0 if batch == 1 else SLOTS * (4 + 0.4 * out)
-    return _product(channels, SLOTS * out) + permuted
+def _summed(numbers: int) -> float:
+    """A row added to a sum."""
+    return 1.6 + 0.05 * numbers
+
+
+def _through_memory(numbers: int) -> float:
+    """A number of a table that is written and read again; a large one is made of new pages each time."""
+    return 0.15 if _NUMBER * numbers <= TABLE_BYTES else 2.2
