@@ -7,10 +7,9 @@ from scipy import sparse
 from tetgan.fields.field import Field, VertexField
 from tetgan.grids.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
-from tetgan.meshing.ambient import ambient_space
 from tetgan.meshing.filtering import filter_occupancy
 from tetgan.meshing.injective import move_boundary
-from tetgan.meshing.occupancy import valid_occupancy
+from tetgan.meshing.occupancy import valid_solid
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.meshing.solid import SolidChanges, SolidMesh
@@ -46,39 +45,31 @@ def build_solid(
     Returns:
         The solid; without tets where nothing is occupied.
     """
-    occupancy, changes = filter_occupancy(field, grid.neighbors, mu, options.gamma), SolidChanges()
+    occupancy = filter_occupancy(field, grid.neighbors, mu, options.gamma)
     if options.mode == "solid":
-        occupancy, changes = valid_occupancy(occupancy, _reluctance(field, occupancy, mu), grid, options)
-    used, compact = np.unique(grid.tets[occupancy], return_inverse=True)
+        solid, changes = valid_solid(occupancy, _reluctance(field, occupancy, mu), grid, options)
+        vertices, tets, origin = solid.space.vertices, solid.space.tets[solid.occupancy], solid.origin
+    else:
+        changes = SolidChanges()
+        vertices, tets, origin = grid.vertices, grid.tets[occupancy], sparse.eye_array(len(grid.vertices), format='csr')
+    used, compact = np.unique(tets, return_inverse=True)
     tets = compact.reshape(-1, 4)
     faces = boundary_faces(tets)
-    vertices, displacement = grid.vertices[used], _displacement_at(used, field, operator)
+    vertices, displacement = vertices[used], _displacement_of(origin[used], grid, field, operator)
     boundary = np.unique(faces)
     vertices[boundary] += displacement[boundary]
     if smoothing:
         vertices = smooth_vertices(vertices, displacement, faces, options.beta)
     if options.mode == "solid":
-        vertices = _move_safely(occupancy, grid, used[boundary], vertices[boundary], options)[used]
+        vertices = move_boundary(
+            solid.occupancy,
+            used[boundary],
+            vertices[boundary],
+            solid.space,
+            min_dihedral=options.min_dihedral,
+            rounds=options.rounds,
+        )[used]
     return SolidMesh(vertices, tets, faces, changes)
-
-
-def _move_safely(
-    occupancy: Bool[np.ndarray, "T"],
-    grid: TetGrid,
-    boundary: Int[np.ndarray, "B"],
-    targets: Float[np.ndarray, "B 3"],
-    options: MeshingOptions,
-) -> Float[np.ndarray, "V 3"]:
-    """Vertices of the grid and its collar, those of the boundary near their targets."""
-    ambient = ambient_space(grid)
-    return move_boundary(
-        ambient.with_collar(occupancy),
-        boundary,
-        targets,
-        ambient,
-        min_dihedral=options.min_dihedral,
-        rounds=options.rounds,
-    )
 
 
 def _reluctance(
@@ -94,6 +85,14 @@ def _reluctance(
     if isinstance(field, Field):
         far = np.minimum(np.linalg.norm(field.displacement.astype(np.float64), axis=1) / (mu or 1.0), _FAR)
     return np.where(occupancy, _EMPTYING * (far + 0.5), far + 0.1)
+
+
+def _displacement_of(w, grid, field, operator):
+    n = len(grid.vertices)
+    near = np.unique(w.indices)
+    near = near[near < n]
+    d = np.zeros((w.shape[1], 3)); d[near] = _displacement_at(near, field, operator)
+    return w @ d
 
 
 def _displacement_at(
