@@ -5,7 +5,6 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import sparse
 
 from tetgan.grids.adjacency import EDGES, boundary_faces, face_neighbors, unique_edges
 from tetgan.grids.grid import TetGrid, tet_volumes
@@ -76,13 +75,6 @@ class Ambient:
     @cached_property
     def _unique_edges(self) -> tuple[Int[np.ndarray, "E 2"], Int[np.ndarray, "T 6"]]:
         return unique_edges(self.tets)
-
-    @cached_property
-    def averaging(self) -> sparse.csr_array:
-        """(V, V): each vertex the mean of those it shares an edge with."""
-        ends, others = np.concatenate([self.edges, self.edges[:, ::-1]]).T
-        weights = 1 / np.bincount(ends, minlength=len(self.vertices))
-        return sparse.csr_array((weights[ends], (ends, others)), shape=(len(self.vertices),) * 2)
 
     def corners(self, tets: Int[np.ndarray, "N"]) -> Float[np.ndarray, "4 3 N"]:
         """Corners of some tets, coordinate by coordinate: much the fastest layout."""

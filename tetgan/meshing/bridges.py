@@ -11,11 +11,17 @@ _CHEAPEST = (
 )
 
 
-def cheapest_bridges(pieces: Pieces, occupied: bool, cost: Float[np.ndarray, "T"]) -> tuple[Int[np.ndarray, "N"], Int[np.ndarray, "N"]]:
+def cheapest_bridges(
+    pieces: Pieces, occupied: bool, cost: Float[np.ndarray, "T"]
+) -> tuple[Int[np.ndarray, "R"], Int[np.ndarray, "R"]]:
     """For each vertex the cheapest row of tets that joins two of its pieces, both occupied or both empty.
 
     Each piece grows, tet by tet, over those that are cheapest to reach; where two that have grown meet at a
     face, the tets on the way there are a bridge.
+
+    Returns:
+        For each tet of a bridge the number of the bridge, ascending, and the tet's row among those of the
+        pieces.
     """
     source = pieces.occupied == occupied
     step = np.where(source, 0.0, cost[pieces.tets].clip(min=_CHEAPEST))
@@ -35,7 +41,9 @@ def cheapest_bridges(pieces: Pieces, occupied: bool, cost: Float[np.ndarray, "T"
     return _rows_to_source(pieces, np.stack([ends, pieces.beside[ends, side[ends]]]), parent)
 
 
-def _rows_to_source(pieces: Pieces, ends: Int[np.ndarray, "2 N"], parent: Int[np.ndarray, "M"]) -> tuple[Int[np.ndarray, "N"], Int[np.ndarray, "N"]]:
+def _rows_to_source(
+    pieces: Pieces, ends: Int[np.ndarray, "2 N"], parent: Int[np.ndarray, "M"]
+) -> tuple[Int[np.ndarray, "R"], Int[np.ndarray, "R"]]:
     """The tets on the way from both ends of each bridge to where the way begins, without the beginning."""
     number, rows = [], []
     for _ in range(_LONGEST * 3 + 1):

@@ -1,7 +1,7 @@
 """From a field to a solid mesh."""
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from scipy import sparse
 
 from tetgan.fields.field import Field, VertexField
@@ -33,8 +33,8 @@ def build_solid(
     gains the surface nothing. Even so a few per cent of the tets may come out inverted, and boundary edges
     may have four faces; `quality_record` counts them.
 
-    In mode `solid` the occupancy is first changed, as little as may be, to one with a manifold boundary
-    (`valid_occupancy`), whose vertices then go towards the same places as far as every tet allows
+    In mode `solid` the boundary is first made a manifold, with as little change of the occupancy as may be
+    (`valid_solid`), whose vertices then go towards the same places as far as every tet allows
     (`move_boundary`). See docs/solids.md.
 
     Args:
@@ -48,14 +48,18 @@ def build_solid(
     occupancy = filter_occupancy(field, grid.neighbors, mu, options.gamma)
     if options.mode == "solid":
         solid, changes = valid_solid(occupancy, _reluctance(field, occupancy, mu), grid, options)
-        vertices, tets, origin = solid.space.vertices, solid.space.tets[solid.occupancy], solid.origin
+        vertices, tets, blend = solid.space.vertices, solid.space.tets[solid.occupancy], solid.blend
     else:
         changes = SolidChanges()
-        vertices, tets, origin = grid.vertices, grid.tets[occupancy], sparse.eye_array(len(grid.vertices), format='csr')
+        vertices, tets, blend = (
+            grid.vertices,
+            grid.tets[occupancy],
+            sparse.eye_array(len(grid.vertices), format="csr"),
+        )
     used, compact = np.unique(tets, return_inverse=True)
     tets = compact.reshape(-1, 4)
     faces = boundary_faces(tets)
-    vertices, displacement = vertices[used], _displacement_of(origin[used], grid, field, operator)
+    vertices, displacement = vertices[used], _displacement_at(blend[used], field, operator)
     boundary = np.unique(faces)
     vertices[boundary] += displacement[boundary]
     if smoothing:
@@ -87,18 +91,15 @@ def _reluctance(
     return np.where(occupancy, _EMPTYING * (far + 0.5), far + 0.1)
 
 
-def _displacement_of(w, grid, field, operator):
-    n = len(grid.vertices)
-    near = np.unique(w.indices)
-    near = near[near < n]
-    d = np.zeros((w.shape[1], 3)); d[near] = _displacement_at(near, field, operator)
-    return w @ d
-
-
 def _displacement_at(
-    vertices: Int[np.ndarray, "N"], field: Field | VertexField, operator: sparse.csr_array
+    blend: sparse.csr_array, field: Field | VertexField, operator: sparse.csr_array
 ) -> Float[np.ndarray, "N 3"]:
-    """Displacement of some vertices: by Eq. 3, or as the field itself has it."""
+    """Displacement of means of the grid's vertices: by Eq. 3, or as the field itself has it.
+
+    Args:
+        blend: (N, G) the means; vertices beyond those of the grid, which are the collar's, are not displaced.
+    """
+    means = blend[:, : operator.shape[0]]
     if isinstance(field, VertexField):
-        return field.vertex_displacement[vertices].astype(np.float64)
-    return operator[vertices] @ field.displacement.astype(np.float64)
+        return means @ field.vertex_displacement.astype(np.float64)
+    return (means @ operator) @ field.displacement.astype(np.float64)

@@ -91,7 +91,7 @@ def make_manifold(
             emptied = _tets_to_empty(faulty, occupied, ambient, cost)
             occupied[emptied], cost[emptied] = False, np.inf
             defect = boundary_defects(occupied, ambient)
-    return _change_back(occupied, original, defect, where, ambient, cost)
+    return _change_back(occupied, original, ambient, cost, defect=defect, where=where)
 
 
 def _mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "N"]:
@@ -216,10 +216,11 @@ def _independent(
 def _change_back(
     occupied: Bool[np.ndarray, "T"],
     original: Bool[np.ndarray, "T"],
-    defect: Int[np.ndarray, "V"],
-    where: Bool[np.ndarray, "V"],
     ambient: Ambient,
     cost: Float[np.ndarray, "T"],
+    *,
+    defect: Int[np.ndarray, "V"],
+    where: Bool[np.ndarray, "V"],
 ) -> Bool[np.ndarray, "T"]:
     """With single tets as they were before, the costliest first, where that makes no new defect."""
     occupied, defect = occupied.copy(), defect.copy()

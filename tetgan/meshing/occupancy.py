@@ -58,7 +58,9 @@ def _mend(
     """
     mended, stubborn = occupancy, np.zeros(len(ambient.vertices), dtype=bool)
     for number in range(_TRIES + 1):
-        opened, left = open_pinches(mended, np.flatnonzero(boundary_defects(mended, ambient)), ambient, min_dihedral)
+        opened, left = open_pinches(
+            mended, np.flatnonzero(boundary_defects(mended, ambient)), ambient, min_dihedral
+        )
         if not len(left):
             break
         stubborn[left] = True

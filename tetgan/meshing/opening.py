@@ -5,11 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 
 from tetgan.meshing.ambient import Ambient
-from tetgan.meshing.around import Pieces
 from tetgan.meshing.components import label_by_faces
+from tetgan.meshing.joining import components_after, least_joins, part_a_component
 from tetgan.meshing.patches import Patches, patches_at
 from tetgan.meshing.pulling import made_tets, places_to_pull_to
 from tetgan.meshing.shapes import tet_shapes
@@ -24,15 +23,14 @@ class Opened(NamedTuple):
         space: tets of the grid first, in their order, then those made, then the collar.
         occupancy: (T,) of its tets; component: (T,) number of the piece, joined by faces, of an occupied tet;
             -1 for an empty one.
-        origin: (V,) vertex of the grid, or of its collar, that a vertex is a copy of, or is itself.
+        blend: (V, G) each vertex as a mean of those of the grid and its collar, as they were.
         gaps, seams: pulls of occupied patches, and of empty ones.
     """
 
     space: Ambient
     occupancy: Bool[np.ndarray, "T"]
     component: Int[np.ndarray, "T"]
-    origin: Int[np.ndarray, "V"]
-    copy_of: np.ndarray = None
+    blend: sparse.csr_array
     gaps: int = 0
     seams: int = 0
 
@@ -64,38 +62,38 @@ def open_pinches(
         faulty: the vertices that have a defect (`boundary_defects`).
 
     Returns:
-        The solid; and the faulty vertices of the grid that are left.
+        The solid; and the faulty vertices that are left. No copy is among them.
     """
     component = np.full(len(occupancy), -1)
     component[occupancy] = label_by_faces(np.flatnonzero(occupancy), ambient)
-    opened = Opened(ambient, occupancy, component, sparse.eye_array(len(ambient.vertices), format='csr'), np.arange(len(ambient.vertices)))
+    opened = Opened(ambient, occupancy, component, sparse.eye_array(len(ambient.vertices), format="csr"))
     least_volume = 6 * _LEAST_VOLUME * ambient.volumes[: ambient.grid_tets].min()
-    while True:
+    pulled = True
+    while pulled and len(faulty):
         opened, faulty, pulled = _pull_once(opened, faulty, min_dihedral, least_volume)
-        if not pulled:
-            return opened, np.unique(opened.copy_of[faulty])
+    return opened, faulty
 
 
 def _pull_once(
     opened: Opened, faulty: Int[np.ndarray, "N"], min_dihedral: float, least_volume: float
 ) -> tuple[Opened, Int[np.ndarray, "M"], bool]:
-    """Pull what can be pulled at once; the vertices that were still at fault before; whether there was any."""
+    """Pull all that can be at once; the vertices that were at fault before; whether there was any."""
     rows, used, nearby = _surroundings(opened.space, faulty)
     occupancy, component = opened.occupancy[rows], opened.component[rows]
     vertices = np.searchsorted(used, faulty)
     pieces = nearby.around_vertices.pieces(vertices, None, occupancy)
     at_fault = pieces.defects(len(vertices)) > 0
     patches = patches_at(vertices, pieces, occupancy, nearby)
-    patches = patches.only(~_parts(patches, vertices, pieces, component))
+    patches = patches.only(~part_a_component(patches, vertices, pieces, component))
     place, found = places_to_pull_to(patches, nearby, min_dihedral, least_volume)
-    volume = np.bincount(patches.rim_patch, tet_shapes(made_tets(patches, place[None], nearby)).volume[0], minlength=len(place))
+    volume = patches.sum_of_rim(tet_shapes(made_tets(patches, place[None], nearby)).volume[0])
     pulls = _Pulls(patches, place, volume).only(found)
-    joins = _joins(pulls, component)
+    joins = least_joins(pulls.patches, pulls.volume, component)
     if joins.any():
         pulls = pulls.only(joins)
     if len(pulls.volume):
         pulls = pulls.only(_independent(pulls, occupancy, nearby.tets))
-        opened = _pull(opened, pulls, rows, used)
+        opened = _pull(opened, pulls._replace(patches=pulls.patches.renumbered(used, rows)))
     return opened, faulty[at_fault], len(pulls.volume) > 0
 
 
@@ -110,40 +108,11 @@ def _surroundings(
         near[space.tets[rows]] = True
     used, tets = np.unique(space.tets[rows], return_inverse=True)
     inside = int(np.searchsorted(rows, space.grid_tets))
-    return rows, used, Ambient(
-        space.vertices[used], tets.reshape(-1, 4), inside, space.pinned[used], space.guarded[rows]
+    return (
+        rows,
+        used,
+        Ambient(space.vertices[used], tets.reshape(-1, 4), inside, space.pinned[used], space.guarded[rows]),
     )
-
-
-def _parts(
-    patches: Patches, vertices: Int[np.ndarray, "N"], pieces: Pieces, component: Int[np.ndarray, "T"]
-) -> Bool[np.ndarray, "P"]:
-    """Whether a pull would part a piece of a component from all others around the vertex.
-
-    It does not where another piece of the same component stays there.
-    """
-    base = component.max(initial=-1) + 2
-    of_piece = np.full(len(pieces.piece_place), -1)
-    of_piece[pieces.label] = component[pieces.tets]
-    keys = np.sort((vertices[pieces.piece_place] * base + of_piece)[pieces.piece_occupied])
-    own = patches.vertex * base + patches.most_of_tets(component[patches.tets])
-    alone = np.searchsorted(keys, own, side="right") - np.searchsorted(keys, own) < 2
-    return patches.occupied & alone
-
-
-def _joins(pulls: _Pulls, component: Int[np.ndarray, "T"]) -> Bool[np.ndarray, "P"]:
-    """Seams that join components: of the least volume, and no more than needed."""
-    patches, across = pulls.patches, component[pulls.patches.across]
-    high, most = patches.most_of_rim(across), component.max(initial=0)
-    low = most - patches.most_of_rim(np.where(across < 0, 0, most - across))
-    joining = np.flatnonzero(~patches.occupied & (low < high))
-    order = joining[np.argsort(pulls.volume[joining], kind="stable")]
-    pairs, first = np.unique(np.stack([low[order], high[order]]), axis=1, return_index=True)
-    size = component.max(initial=-1) + 1
-    tree = minimum_spanning_tree(sparse.coo_array((first + 1.0, tuple(pairs)), shape=(size, size)))
-    joins = np.zeros(len(pulls.volume), dtype=bool)
-    joins[order[tree.data.astype(np.int64) - 1]] = True
-    return joins
 
 
 def _independent(
@@ -152,8 +121,7 @@ def _independent(
     """The smallest pulls, and all others that are out of their way.
 
     Two are in each other's way at one vertex and at neighbouring ones; and where both make tets at one end of
-    a side of a rim that runs between tets of one kind: only for each by itself has it been seen that this does
-    no harm.
+    a side of a rim that runs between tets of one kind: each by itself does no harm, but both might.
     """
     patches, count = pulls.patches, len(pulls.volume)
     inner = patches.inner_rim(occupancy)
@@ -176,16 +144,16 @@ def _independent(
     return chosen
 
 
-def _pull(opened: Opened, pulls: _Pulls, rows: Int[np.ndarray, "N"], used: Int[np.ndarray, "U"]) -> Opened:
-    """The solid after some pulls, whose patches are numbered as `rows` and `used` have it."""
+def _pull(opened: Opened, pulls: _Pulls) -> Opened:
+    """The solid after some pulls."""
     space, patches = opened.space, pulls.patches
     copies = len(space.vertices) + np.arange(len(pulls.place))
-    made = space.tets[rows[patches.rim_tets]]
+    made = space.tets[patches.rim_tets]
     made[np.arange(len(made)), patches.rim_slot] = copies[patches.rim_patch]
     tets = space.tets.copy()
-    tets[rows[patches.tets], patches.corner] = copies[patches.patch]
+    tets[patches.tets, patches.corner] = copies[patches.patch]
     solid, here = ~patches.occupied[patches.rim_patch], space.grid_tets
-    component, of_made = _join(opened.component, patches, rows)
+    component, of_made = components_after(patches, opened.component)
     return Opened(
         Ambient(
             np.concatenate([space.vertices, pulls.place]),
@@ -196,39 +164,23 @@ def _pull(opened: Opened, pulls: _Pulls, rows: Int[np.ndarray, "N"], used: Int[n
         ),
         _insert(opened.occupancy, here, solid),
         _insert(component, here, of_made),
-        sparse.vstack([opened.origin, _blend(pulls, space, rows) @ opened.origin]).tocsr(),
-        np.concatenate([opened.copy_of, opened.copy_of[used[patches.vertex]]]),
+        sparse.vstack([opened.blend, _blend(pulls, space) @ opened.blend], format="csr"),
         opened.gaps + int(patches.occupied.sum()),
         opened.seams + int((~patches.occupied).sum()),
     )
 
 
-def _blend(pulls, space, rows):
-    patches = pulls.patches
-    tets = space.tets[rows[patches.tets]]
-    corners = space.vertices[tets]
-    matrix = np.concatenate([np.moveaxis(corners, 1, 2), np.ones((len(tets), 1, 4))], axis=1)
-    point = np.concatenate([pulls.place, np.ones((len(pulls.place), 1))], axis=1)
-    shares = np.linalg.solve(matrix, point[patches.patch][..., None])[..., 0]
-    inside = shares.min(axis=1)
-    best = np.unique(np.lexsort([-inside, patches.patch])[np.searchsorted(patches.patch, np.arange(len(pulls.place)))])
-    w = shares[best].clip(min=0); w /= w.sum(axis=1, keepdims=True)
-    return sparse.csr_array((w.ravel(), (np.repeat(np.arange(len(best)), 4), tets[best].ravel())), shape=(len(best), len(space.vertices)))
+def _blend(pulls: _Pulls, space: Ambient) -> sparse.csr_array:
+    """(P, V): each place as a mean of the corners of the tet that it lies in."""
+    patches, places = pulls.patches, len(pulls.place)
+    corners = np.concatenate([space.corners(patches.tets), np.ones((4, 1, len(patches.tets)))], axis=1)
+    point = np.concatenate([pulls.place, np.ones((places, 1))], axis=1)[patches.patch, :, None]
+    shares = np.linalg.solve(np.transpose(corners, (2, 1, 0)), point)[..., 0]
+    order = np.lexsort([-shares.min(axis=1), patches.patch])
+    within = order[np.searchsorted(patches.patch, np.arange(places))]
+    ends = np.repeat(np.arange(places), 4), space.tets[patches.tets[within]].ravel()
+    return sparse.csr_array((shares[within].ravel(), ends), shape=(places, len(space.vertices)))
 
 
 def _insert(array: np.ndarray, here: int, more: np.ndarray) -> np.ndarray:
     return np.concatenate([array[:here], more, array[here:]])
-
-
-def _join(
-    component: Int[np.ndarray, "T"], patches: Patches, rows: Int[np.ndarray, "N"]
-) -> tuple[Int[np.ndarray, "T"], Int[np.ndarray, "N"]]:
-    """Components where seams have joined some; and those of the tets made, -1 for empty ones."""
-    across, seam = component[rows[patches.across]], ~patches.occupied[patches.rim_patch]
-    one = patches.most_of_rim(np.where(seam, across, -1))[patches.rim_patch]
-    joined = seam & (across >= 0)
-    links = sparse.coo_array(
-        (np.ones(int(joined.sum())), (one[joined], across[joined])), shape=(component.max() + 1,) * 2
-    )
-    number = np.append(connected_components(links, directed=False)[1], -1)  # read by the -1 of empty tets
-    return number[component], number[one]

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 import numpy as np
-from jaxtyping import Bool, Int, Shaped
+from jaxtyping import Bool, Float, Int, Shaped
 
 from tetgan.grids.adjacency import EDGES
 from tetgan.meshing.ambient import VERTEX_FACES, Ambient
@@ -26,8 +26,8 @@ class Patches(NamedTuple):
         vertex, occupied: (P,) of each patch.
         patch: (M,) number of a patch, ascending; tets: (M,) its tets; corner: (M,) which of a tet's vertices
             is the patch's.
-        rim_patch: (N,) number of a patch, ascending; rim_tets, rim_corner: (N,) of the tet inside of a side of
-            its rim; rim_slot: (N,) the side is on the tet's face opposite this local vertex; across: (N,)
+        rim_patch: (N,) number of a patch, ascending; rim_tets, rim_corner: (N,) of the tet inside of a side
+            of its rim; rim_slot: (N,) the side is on the tet's face opposite this local vertex; across: (N,)
             the tet outside.
     """
 
@@ -53,13 +53,24 @@ class Patches(NamedTuple):
             *(each[rim] for each in self[6:]),
         )
 
+    def renumbered(self, vertices: Int[np.ndarray, "V"], tets: Int[np.ndarray, "T"]) -> "Patches":
+        """The same in another numbering, given the new numbers of all vertices and tets."""
+        return self._replace(
+            vertex=vertices[self.vertex],
+            tets=tets[self.tets],
+            rim_tets=tets[self.rim_tets],
+            across=tets[self.across],
+        )
+
     def most_of_tets(self, values: Shaped[np.ndarray, "*K M"]) -> Shaped[np.ndarray, "*K P"]:
         """The largest of some numbers, one for each tet."""
         return np.maximum.reduceat(values, np.searchsorted(self.patch, np.arange(len(self.vertex))), axis=-1)
 
     def most_of_rim(self, values: Shaped[np.ndarray, "*K N"]) -> Shaped[np.ndarray, "*K P"]:
         """The largest of some numbers, one for each side of the rim."""
-        return np.maximum.reduceat(values, np.searchsorted(self.rim_patch, np.arange(len(self.vertex))), axis=-1)
+        return np.maximum.reduceat(
+            values, np.searchsorted(self.rim_patch, np.arange(len(self.vertex))), axis=-1
+        )
 
     def rim_ends(self, tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "N 2"]:
         """The two vertices that each side of the rim joins."""
@@ -68,6 +79,10 @@ class Patches(NamedTuple):
     def inner_rim(self, occupancy: Bool[np.ndarray, "T"]) -> Bool[np.ndarray, "N"]:
         """Sides of the rim with a tet of the patch's own kind across."""
         return occupancy[self.across] == self.occupied[self.rim_patch]
+
+    def sum_of_rim(self, values: Float[np.ndarray, "N"]) -> Float[np.ndarray, "P"]:
+        """The sum of some numbers, one for each side of the rim."""
+        return np.add.reduceat(values, np.searchsorted(self.rim_patch, np.arange(len(self.vertex))))
 
 
 def patches_at(
@@ -155,10 +170,8 @@ def _mends(
     return after.defects(len(patches.vertex)) < before[patches.vertex]
 
 
-def _is_harmless(
-    patches: Patches, occupancy: Bool[np.ndarray, "T"], space: Ambient
-) -> Bool[np.ndarray, "P"]:
-    """Whether what is made at the rims of empty patches meets occupied tets at faces only, and what bounds these.
+def _is_harmless(patches: Patches, occupancy: Bool[np.ndarray, "T"], space: Ambient) -> Bool[np.ndarray, "P"]:
+    """Whether what is made at the rims of empty patches meets occupied tets at faces, and their sides, only.
 
     Where the rim runs between empty tets, the edge across from the vertex must have no occupied tet, and an
     end that no other side of the rim joins to an occupied one must touch none.

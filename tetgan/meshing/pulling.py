@@ -1,4 +1,7 @@
-"""Where a vertex can be pulled to, into a patch of its tets, so that no tet turns over or becomes too flat."""
+"""Where a vertex can be pulled to, into a patch of its tets, without a tet that turns over or is too flat."""
+
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -8,9 +11,9 @@ from tetgan.meshing.ambient import Ambient
 from tetgan.meshing.patches import Patches
 from tetgan.meshing.shapes import tet_shapes
 
-# Shares of the way at the end of which a tet of the patch would be flat: the first that will do is taken. A gap
-# is to be narrow, and a seam thick enough for its angles.
-_GAPS = np.array([1 / 8, 1 / 16, 1 / 32])
+# Shares of the way at the end of which a tet of the patch would be flat: the first that will do is taken. A
+# gap is to be narrow, and a seam thick enough for its angles.
+_GAPS = np.array([1 / 4, 1 / 8, 1 / 16])
 _SEAMS = np.array([1 / 4, 3 / 8, 1 / 2])
 # Steps around the best of these, in the same unit, each to the best of six sides, while that is better.
 _SEARCH = (0.2, 0.2, 0.1, 0.1, 0.05, 0.05)
@@ -36,17 +39,20 @@ def places_to_pull_to(
     reach, bound = _reach(patches, direction, space), _bounds(patches, space, min_dihedral)
     share = np.where(patches.occupied, _GAPS[:, None], _SEAMS[:, None])
     trials = space.vertices[patches.vertex] + (share * reach)[..., None] * direction
-    worst = _worst_angles(patches, trials, space, least_volume)
+    judge = partial(_worst_angles, space=space, least_volume=least_volume)
+    worst = judge(patches, trials)
     good = (worst <= bound).any(axis=0)
     place, worst = _pick(trials, worst, np.where(good, (worst <= bound).argmax(axis=0), worst.argmin(axis=0)))
     unsure = inward & ~good & ~patches.occupied & (worst < _NEVER)
     place[unsure], worst[unsure] = _search(
-        patches.only(unsure), place[unsure], worst[unsure], reach[unsure], space, least_volume
+        patches.only(unsure), place[unsure], worst[unsure], reach[unsure], judge
     )
     return place, inward & (worst <= bound)
 
 
-def made_tets(patches: Patches, places: Float[np.ndarray, "K P 3"], space: Ambient) -> Float[np.ndarray, "4 3 K N"]:
+def made_tets(
+    patches: Patches, places: Float[np.ndarray, "K P 3"], space: Ambient
+) -> Float[np.ndarray, "4 3 K N"]:
     """Corners of the tets between the vertices and their copies, for each choice of places."""
     return _replaced(space, patches.rim_tets, patches.rim_slot, places[:, patches.rim_patch])
 
@@ -63,19 +69,18 @@ def _search(
     place: Float[np.ndarray, "P 3"],
     worst: Float[np.ndarray, "P"],
     reach: Float[np.ndarray, "P"],
-    space: Ambient,
-    least_volume: float,
+    judge: Callable[[Patches, Float[np.ndarray, "K P 3"]], Float[np.ndarray, "K P"]],
 ) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarray, "P"]]:
     """Places nearby where the worst angle is better, and that angle."""
     for size in _SEARCH if len(place) else ():
         trials = np.concatenate([place[None], place + size * reach[:, None] * _SIDES[:, None]])
-        angles = np.concatenate([worst[None], _worst_angles(patches, trials[1:], space, least_volume)])
+        angles = np.concatenate([worst[None], judge(patches, trials[1:])])
         place, worst = _pick(trials, angles, angles.argmin(axis=0))
     return place, worst
 
 
 def _most_inward(patches: Patches, space: Ambient) -> tuple[Float[np.ndarray, "P 3"], Bool[np.ndarray, "P"]]:
-    """The direction that makes the largest least angle with the faces of each rim, and whether it is within all.
+    """The direction of the largest least angle with the faces of each rim, and whether it is within all.
 
     It is that of the shortest vector in the convex hull of their normals, which is sought from their mean by
     turning to the normal that is least ahead (Frank and Wolfe 1956; Gilbert 1966).
@@ -106,7 +111,10 @@ def _reach(patches: Patches, direction: Float[np.ndarray, "P 3"], space: Ambient
     """How far the vertex can go until the first tet of its patch is flat; 0 where none ever is."""
     tets = space.tets[patches.tets]
     normals = _inward_normals(space.vertices, tets, patches.corner)
-    loss = -np.einsum("nc,nc->n", normals, direction[patches.patch]) / tet_shapes(space.corners(patches.tets)).volume
+    loss = (
+        -np.einsum("nc,nc->n", normals, direction[patches.patch])
+        / tet_shapes(space.corners(patches.tets)).volume
+    )
     most = patches.most_of_tets(loss)
     return np.divide(1, most, out=np.zeros_like(most), where=most > 0)
 
@@ -121,7 +129,7 @@ def _bounds(patches: Patches, space: Ambient, min_dihedral: float) -> Float[np.n
 def _worst_angles(
     patches: Patches, places: Float[np.ndarray, "K P 3"], space: Ambient, least_volume: float
 ) -> Float[np.ndarray, "K P"]:
-    """Cosine of the least angle of all occupied tets moved or made; `_NEVER` where one of any kind is too small."""
+    """Cosine of the least angle of the occupied tets moved or made; `_NEVER` where any tet is too small."""
     moved = tet_shapes(_replaced(space, patches.tets, patches.corner, places[:, patches.patch]))
     made = tet_shapes(made_tets(patches, places, space))
     occupied = patches.occupied[patches.patch], ~patches.occupied[patches.rim_patch]
