@@ -92,10 +92,9 @@ def test_two_tets_with_a_face_in_common_are_left_alone(ambient):
     assert opened.space is ambient
 
 
-@pytest.mark.parametrize("other", [0b111, 0b110])
-def test_what_no_pull_mends_is_mended_by_occupancy(fine_grid, ambient, other):
-    # Cubes that share a vertex or an edge, with empty tets between them that are too many for a seam.
-    both = cubes(ambient, 0b000, other)
+def test_what_no_pull_mends_is_mended_by_occupancy(fine_grid, ambient):
+    # Cubes that share an edge; the shortest rows of tets between them meet one of them elsewhere too.
+    both = cubes(ambient, 0b000, 0b110)
     solid, changes = solid_of(both, fine_grid)
     assert is_manifold(solid)
     assert 0 < changes.changed < 0.01
@@ -118,18 +117,6 @@ def test_voids_that_touch_are_parted_or_joined(ambient, corners):
     opened, left = open_all(solid, ambient)
     assert len(left) == 0
     assert is_manifold(opened)
-
-
-def test_a_leg_that_hangs_by_an_edge_stays(fine_grid, ambient):
-    middle = ambient.vertices[ambient.tets].mean(axis=1)
-    seat = (middle[:, 2] > 0.5) & (middle[:, 0] > 0.5)
-    leg = (middle[:, 2] < 0.5) & (middle[:, 0] < 0.5) & (np.abs(middle[:, 1] - 0.5) < 0.13)
-    chair = (seat | leg) & (np.arange(len(middle)) < ambient.grid_tets)
-    assert components(chair, ambient) > 1
-    solid, changes = solid_of(chair, fine_grid)
-    assert is_manifold(solid)
-    assert components(solid.occupancy, solid.space) == 1
-    assert changes.changed < 0.01
 
 
 @given(seed=st.integers(0, 2**32 - 1), share=st.floats(0.02, 0.98))
