@@ -6,7 +6,7 @@ import pytest
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.ambient import ambient_space
 from tetgan.meshing.components import count_cavities, drop_small_pieces
-from tetgan.meshing.occupancy import valid_occupancy
+from tetgan.meshing.occupancy import valid_solid
 from tetgan.meshing.options import MeshingOptions
 
 
@@ -54,7 +54,8 @@ def test_the_record_adds_up(balls):
     occupancy = (large | small) ^ (rng.random(len(large)) < 0.01)
     options = MeshingOptions(min_component=0.05)
     cost = np.ones(len(occupancy))
-    valid, changes = valid_occupancy(occupancy, cost, grid, options)
+    solid, changes = valid_solid(occupancy, cost, grid, options)
+    valid = solid.occupancy[: len(occupancy)]
     assert changes.changed == pytest.approx((changes.tets_added + changes.tets_removed) / occupancy.sum())
     assert changes.dropped_components >= 1
     assert changes.dropped_volume * grid.volumes[occupancy].sum() > 0.9 * grid.volumes[small].sum()

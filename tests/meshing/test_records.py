@@ -13,7 +13,9 @@ TET = np.array([[0, 1, 2, 3]])
 
 
 def test_a_row_is_the_certificate_and_what_made_the_solid():
-    changes = SolidChanges(tets_added=2, tets_removed=1, changed=0.5, dropped_components=1, cavities=7)
+    changes = SolidChanges(
+        tets_added=2, tets_removed=1, changed=0.5, gaps=4, seams=3, dropped_components=1, cavities=7
+    )
     record = quality_record(SolidMesh(CORNER, TET, boundary_faces(TET), changes))
     expected = certify(CORNER, TET).row() | {
         # Straight in from a face at a corner's right angles: its centroid lies 1/3 under the slanted face.
@@ -21,6 +23,8 @@ def test_a_row_is_the_certificate_and_what_made_the_solid():
         "tets_added": 2,
         "tets_removed": 1,
         "changed": 0.5,
+        "gaps": 4,
+        "seams": 3,
         "dropped_components": 1,
         "dropped_volume": 0.0,
     }

@@ -34,6 +34,10 @@ class Pieces(NamedTuple):
         both = np.bincount(2 * self.piece_place + self.piece_occupied, minlength=2 * places)
         return both.reshape(places, 2)
 
+    def defects(self, places: int) -> Int[np.ndarray, "places"]:
+        """How many pieces lie around each simplex beyond one of each kind."""
+        return (self.counts(places) - 1).clip(min=0).sum(axis=1)
+
 
 class Around:
     """Who stands around each simplex (vertex or edge), and who stands beside whom there.

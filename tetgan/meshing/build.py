@@ -1,16 +1,15 @@
 """From a field to a solid mesh."""
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 from scipy import sparse
 
 from tetgan.fields.field import Field, VertexField
 from tetgan.grids.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
-from tetgan.meshing.ambient import ambient_space
 from tetgan.meshing.filtering import filter_occupancy
 from tetgan.meshing.injective import move_boundary
-from tetgan.meshing.occupancy import valid_occupancy
+from tetgan.meshing.occupancy import valid_solid
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.meshing.solid import SolidChanges, SolidMesh
@@ -34,8 +33,8 @@ def build_solid(
     gains the surface nothing. Even so a few per cent of the tets may come out inverted, and boundary edges
     may have four faces; `quality_record` counts them.
 
-    In mode `solid` the occupancy is first changed, as little as may be, to one with a manifold boundary
-    (`valid_occupancy`), whose vertices then go towards the same places as far as every tet allows
+    In mode `solid` the boundary is first made a manifold, with as little change of the occupancy as may be
+    (`valid_solid`), whose vertices then go towards the same places as far as every tet allows
     (`move_boundary`). See docs/solids.md.
 
     Args:
@@ -46,39 +45,35 @@ def build_solid(
     Returns:
         The solid; without tets where nothing is occupied.
     """
-    occupancy, changes = filter_occupancy(field, grid.neighbors, mu, options.gamma), SolidChanges()
+    occupancy = filter_occupancy(field, grid.neighbors, mu, options.gamma)
     if options.mode == "solid":
-        occupancy, changes = valid_occupancy(occupancy, _reluctance(field, occupancy, mu), grid, options)
-    used, compact = np.unique(grid.tets[occupancy], return_inverse=True)
+        solid, changes = valid_solid(occupancy, _reluctance(field, occupancy, mu), grid, options)
+        vertices, tets, blend = solid.space.vertices, solid.space.tets[solid.occupancy], solid.blend
+    else:
+        changes = SolidChanges()
+        vertices, tets, blend = (
+            grid.vertices,
+            grid.tets[occupancy],
+            sparse.eye_array(len(grid.vertices), format="csr"),
+        )
+    used, compact = np.unique(tets, return_inverse=True)
     tets = compact.reshape(-1, 4)
     faces = boundary_faces(tets)
-    vertices, displacement = grid.vertices[used], _displacement_at(used, field, operator)
+    vertices, displacement = vertices[used], _displacement_at(blend[used], field, operator)
     boundary = np.unique(faces)
     vertices[boundary] += displacement[boundary]
     if smoothing:
         vertices = smooth_vertices(vertices, displacement, faces, options.beta)
     if options.mode == "solid":
-        vertices = _move_safely(occupancy, grid, used[boundary], vertices[boundary], options)[used]
+        vertices = move_boundary(
+            solid.occupancy,
+            used[boundary],
+            vertices[boundary],
+            solid.space,
+            min_dihedral=options.min_dihedral,
+            rounds=options.rounds,
+        )[used]
     return SolidMesh(vertices, tets, faces, changes)
-
-
-def _move_safely(
-    occupancy: Bool[np.ndarray, "T"],
-    grid: TetGrid,
-    boundary: Int[np.ndarray, "B"],
-    targets: Float[np.ndarray, "B 3"],
-    options: MeshingOptions,
-) -> Float[np.ndarray, "V 3"]:
-    """Vertices of the grid and its collar, those of the boundary near their targets."""
-    ambient = ambient_space(grid)
-    return move_boundary(
-        ambient.with_collar(occupancy),
-        boundary,
-        targets,
-        ambient,
-        min_dihedral=options.min_dihedral,
-        rounds=options.rounds,
-    )
 
 
 def _reluctance(
@@ -97,9 +92,14 @@ def _reluctance(
 
 
 def _displacement_at(
-    vertices: Int[np.ndarray, "N"], field: Field | VertexField, operator: sparse.csr_array
+    blend: sparse.csr_array, field: Field | VertexField, operator: sparse.csr_array
 ) -> Float[np.ndarray, "N 3"]:
-    """Displacement of some vertices: by Eq. 3, or as the field itself has it."""
+    """Displacement of means of the grid's vertices: by Eq. 3, or as the field itself has it.
+
+    Args:
+        blend: (N, G) the means; vertices beyond those of the grid, which are the collar's, are not displaced.
+    """
+    means = blend[:, : operator.shape[0]]
     if isinstance(field, VertexField):
-        return field.vertex_displacement[vertices].astype(np.float64)
-    return operator[vertices] @ field.displacement.astype(np.float64)
+        return means @ field.vertex_displacement.astype(np.float64)
+    return (means @ operator) @ field.displacement.astype(np.float64)

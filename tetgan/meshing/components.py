@@ -36,7 +36,7 @@ def drop_small_pieces(
         joined_by: what two tets of one piece have in common.
     """
     tets = np.flatnonzero(occupancy)
-    labels = (_label_by_faces if joined_by == "faces" else _label_by_vertices)(tets, ambient)
+    labels = (label_by_faces if joined_by == "faces" else _label_by_vertices)(tets, ambient)
     volumes = np.bincount(labels, ambient.volumes[tets])
     dropped = volumes < min(smallest, volumes.max(initial=0))
     left = occupancy.copy()
@@ -47,11 +47,11 @@ def drop_small_pieces(
 def count_cavities(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> int:
     """Pieces of empty tets, joined by faces, that do not reach the collar."""
     tets = np.flatnonzero(~occupancy)
-    labels = _label_by_faces(tets, ambient)
+    labels = label_by_faces(tets, ambient)
     return len(np.setdiff1d(labels, labels[tets >= ambient.grid_tets]))
 
 
-def _label_by_faces(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndarray, "N"]:
+def label_by_faces(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndarray, "N"]:
     number = np.full(len(ambient.tets) + 1, -1)  # the -1 of a missing neighbour reads the last entry
     number[tets] = np.arange(len(tets))
     beside = number[ambient.neighbors[tets]]

@@ -6,7 +6,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
+from tetgan.grids.adjacency import unique_edges
 from tetgan.meshing.ambient import Ambient
+from tetgan.meshing.shapes import tet_shapes
 
 _HALVINGS = 4  # a step is cut down to 1/16, then given up for the round
 _RELAXATION = 0.7  # of the way to the mean of the neighbours, each time
@@ -75,12 +77,12 @@ def _band(
     movable = np.zeros(len(ambient.vertices), dtype=bool)
     movable[boundary] = True
     for _ in range(_RINGS):
-        movable[np.unique(ambient.edges[movable[ambient.edges].any(axis=1)])] = True
+        movable[ambient.tets[movable[ambient.tets].any(axis=1)]] = True
     movable &= ~ambient.pinned
     rows = np.flatnonzero(movable[ambient.tets].any(axis=1) & ambient.guarded)
     used, corners = np.unique(ambient.tets[rows], return_inverse=True)
     corners = np.ascontiguousarray(corners.reshape(-1, 4).T)
-    own = _tet_shapes(ambient.vertices[used].T, corners)
+    own = tet_shapes(_points(ambient.vertices[used].T, corners))
     on_boundary = np.isin(used, boundary) & movable[used]
     solid = occupancy[rows]
     bound = np.cos(np.radians(min_dihedral)) - 1e-9
@@ -92,8 +94,16 @@ def _band(
         used=used,
         boundary=on_boundary,
         free=movable[used] & ~on_boundary,
-        averaging=ambient.averaging[used][:, used],
+        averaging=_averaging(corners, len(used)),
     )
+
+
+def _averaging(corners: Int[np.ndarray, "4 N"], vertices: int) -> sparse.csr_array:
+    """(M, M): each vertex the mean of those it shares an edge with."""
+    edges, _ = unique_edges(corners.T)
+    ends, others = np.concatenate([edges, edges[:, ::-1]]).T
+    weights = 1 / np.bincount(ends, minlength=vertices)
+    return sparse.csr_array((weights[ends], (ends, others)), shape=(vertices, vertices))
 
 
 def _step(
@@ -114,34 +124,12 @@ def _step(
     return here + scale * step
 
 
-class _Shapes(NamedTuple):
-    """Six times the volume of each tet, and the cosine of its least dihedral angle."""
-
-    volume: Float[np.ndarray, "N"]
-    cosine: Float[np.ndarray, "N"]
-
-
 def _within_bounds(
     here: Float[np.ndarray, "3 M"], band: _Band, rows: Int[np.ndarray, "R"]
 ) -> Bool[np.ndarray, "R"]:
-    shapes = _tet_shapes(here, band.corners[:, rows])
+    shapes = tet_shapes(_points(here, band.corners[:, rows]))
     return (shapes.volume >= band.volume[rows]) & (shapes.cosine <= band.cosine[rows])
 
 
-def _tet_shapes(here: Float[np.ndarray, "3 M"], corners: Int[np.ndarray, "4 N"]) -> _Shapes:
-    a, b, c = (here[:, corners[i]] - here[:, corners[0]] for i in (1, 2, 3))
-    one, two, three = _cross(b, c), _cross(c, a), _cross(a, b)
-    normals = np.stack([-(one + two + three), one, two, three])  # inward, as long as twice the face's area
-    normals /= np.sqrt(np.maximum((normals**2).sum(axis=1, keepdims=True), np.finfo(float).tiny))
-    cosine = np.full(corners.shape[1], -1.0)
-    for i, j in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)):
-        np.maximum(cosine, -_dot(normals[i], normals[j]), out=cosine)
-    return _Shapes(_dot(a, one), cosine)
-
-
-def _cross(a: Float[np.ndarray, "3 N"], b: Float[np.ndarray, "3 N"]) -> Float[np.ndarray, "3 N"]:
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
-
-
-def _dot(a: Float[np.ndarray, "3 N"], b: Float[np.ndarray, "3 N"]) -> Float[np.ndarray, "N"]:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def _points(here: Float[np.ndarray, "3 M"], corners: Int[np.ndarray, "4 N"]) -> Float[np.ndarray, "4 3 N"]:
+    return np.stack([here[:, corner] for corner in corners])

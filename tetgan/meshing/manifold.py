@@ -7,11 +7,8 @@ from jaxtyping import Bool, Float, Int
 
 from tetgan.meshing.ambient import Ambient
 from tetgan.meshing.around import Pieces
+from tetgan.meshing.bridges import cheapest_bridges
 
-_LONGEST = 5  # rounds in which a bridge grows
-_CHEAPEST = (
-    1e-3  # of a step of a bridge: steps back, which cost less than nothing, must not go round in circles
-)
 _AT_ONCE = 2000  # changes weighed together: bounds the memory on noise, where every vertex is at fault
 
 
@@ -60,18 +57,20 @@ def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[
     """
     defect = np.zeros(len(ambient.vertices), dtype=np.int64)
     vertices = _mixed_vertices(occupancy, ambient)
-    counts = ambient.around_vertices.pieces(vertices, None, occupancy).counts(len(vertices))
-    defect[vertices] = _defect(counts)
+    defect[vertices] = ambient.around_vertices.pieces(vertices, None, occupancy).defects(len(vertices))
     return defect
 
 
 def make_manifold(
-    occupancy: Bool[np.ndarray, "T"], ambient: Ambient, cost: Float[np.ndarray, "T"]
+    occupancy: Bool[np.ndarray, "T"],
+    ambient: Ambient,
+    cost: Float[np.ndarray, "T"],
+    where: Bool[np.ndarray, "V"] | None = None,
 ) -> Bool[np.ndarray, "T"]:
     """Fill and empty tets until the boundary is a manifold, at little cost.
 
     Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides, and so
-    might the tets of a bridge between two pieces of one kind (`_cheapest_bridges`). Of the changes that lower
+    might the tets of a bridge between two pieces of one kind (`cheapest_bridges`). Of the changes that lower
     the sum of the defects, the cheapest for what they mend are made, as many at once as have no vertex in
     common, until none is left; each round lowers the sum, so this ends. Where defects remain, tets around
     them are emptied for good (`_tets_to_empty`), and it goes on: at worst until all are.
@@ -80,17 +79,19 @@ def make_manifold(
     Args:
         occupancy: none of the collar.
         cost: of changing each tet; changing it back refunds it.
+        where: vertices to mend; None: all.
     """
     original, occupied, cost = occupancy, occupancy.copy(), cost.copy()
+    where = np.ones(len(ambient.vertices), dtype=bool) if where is None else where
     defect = boundary_defects(occupied, ambient)
-    while defect.any():
+    while len(faulty := np.flatnonzero(defect * where)):
         signed = np.where((occupied == original) | np.isinf(cost), cost, -cost)
-        changes = _cheapest_first(_possible_changes(occupied, defect, ambient, signed), signed)
+        changes = _cheapest_first(_possible_changes(occupied, faulty, ambient, signed), signed)
         if not _improve(changes, occupied, defect, ambient, signed):
-            emptied = _tets_to_empty(np.flatnonzero(defect), occupied, ambient, cost)
+            emptied = _tets_to_empty(faulty, occupied, ambient, cost)
             occupied[emptied], cost[emptied] = False, np.inf
             defect = boundary_defects(occupied, ambient)
-    return _change_back(occupied, original, ambient, cost)
+    return _change_back(occupied, original, ambient, cost, defect=defect, where=where)
 
 
 def _mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "N"]:
@@ -101,18 +102,13 @@ def _mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[n
     return np.flatnonzero(touched.all(axis=0))
 
 
-def _defect(counts: Int[np.ndarray, "N 2"]) -> Int[np.ndarray, "N"]:
-    return (counts - 1).clip(min=0).sum(axis=1)
-
-
 def _possible_changes(
     occupied: Bool[np.ndarray, "T"],
-    defect: Int[np.ndarray, "V"],
+    vertices: Int[np.ndarray, "N"],
     ambient: Ambient,
     cost: Float[np.ndarray, "T"],
 ) -> _Changes:
     """The pieces around vertices at fault, and around edges there with four boundary faces; and bridges."""
-    vertices = np.flatnonzero(defect)
     at_vertices = ambient.around_vertices.pieces(vertices, None, occupied)
     own = np.unique(at_vertices.tets)
     edges = np.unique(ambient.edges_of_tets[own[own < ambient.grid_tets]])
@@ -121,45 +117,14 @@ def _possible_changes(
     return _together(
         _as_changes(at_vertices.label, at_vertices.tets),
         _as_changes(at_edges.label, at_edges.tets).only(pinched[at_edges.piece_place]),
-        _cheapest_bridges(at_vertices, True, cost),
-        _cheapest_bridges(at_vertices, False, cost),
+        _as_bridges(at_vertices, True, cost),
+        _as_bridges(at_vertices, False, cost),
     )
 
 
-def _cheapest_bridges(pieces: Pieces, occupied: bool, cost: Float[np.ndarray, "T"]) -> _Changes:
-    """For each vertex the cheapest row of tets that joins two of its pieces, both occupied or both empty.
-
-    Each piece grows, tet by tet, over those that are cheapest to reach; where two that have grown meet at a
-    face, the tets on the way there are a bridge.
-    """
-    source = pieces.occupied == occupied
-    step = np.where(source, 0.0, cost[pieces.tets].clip(min=_CHEAPEST))
-    way, parent = np.where(source, 0.0, np.inf), np.arange(len(source))
-    origin = pieces.label.copy()
-    for side in np.tile(np.arange(pieces.beside.shape[1]), _LONGEST):
-        before = pieces.beside[:, side]
-        nearer = way[before] + step < way
-        way[nearer] = (way[before] + step)[nearer]
-        parent[nearer], origin[nearer] = before[nearer], origin[before][nearer]
-    length = np.where(origin[:, None] != origin[pieces.beside], way[:, None] + way[pieces.beside], np.inf)
-    side = length.argmin(axis=1)
-    shortest = np.take_along_axis(length, side[:, None], axis=1)[:, 0]
-    order = np.lexsort([shortest, pieces.place])
-    ends = order[np.unique(pieces.place[order], return_index=True)[1]]
-    ends = ends[np.isfinite(shortest[ends])]
-    return _rows_to_source(pieces, np.stack([ends, pieces.beside[ends, side[ends]]]), parent)
-
-
-def _rows_to_source(pieces: Pieces, ends: Int[np.ndarray, "2 N"], parent: Int[np.ndarray, "M"]) -> _Changes:
-    """The tets on the way from both ends of each bridge to where the way begins, without the beginning."""
-    number, tets = [], []
-    for _ in range(_LONGEST * 3 + 1):
-        on_way = parent[ends] != ends
-        number.append(np.nonzero(on_way)[1])
-        tets.append(pieces.tets[ends[on_way]])
-        ends = parent[ends]
-    found = np.unique(np.stack([np.concatenate(number), np.concatenate(tets)]), axis=1)
-    return _Changes(np.unique(found[0], return_inverse=True)[1], found[1])
+def _as_bridges(pieces: Pieces, occupied: bool, cost: Float[np.ndarray, "T"]) -> _Changes:
+    number, rows = cheapest_bridges(pieces, occupied, cost)
+    return _Changes(number, pieces.tets[rows])
 
 
 def _together(*sets: _Changes) -> _Changes:
@@ -221,7 +186,7 @@ def _effect(
     tets = corners // 4
     flipped = _contains(changes, change[place], tets, len(ambient.tets))
     pieces = ambient.around_vertices.pieces(vertex, occupied[tets] ^ flipped, occupied)
-    after = _defect(pieces.counts(len(vertex)))
+    after = pieces.defects(len(vertex))
     gain = np.bincount(change, defect[vertex] - after, minlength=changes.number)
     return _Effect(change, vertex, after, np.rint(gain).astype(np.int64))
 
@@ -253,16 +218,22 @@ def _change_back(
     original: Bool[np.ndarray, "T"],
     ambient: Ambient,
     cost: Float[np.ndarray, "T"],
+    *,
+    defect: Int[np.ndarray, "V"],
+    where: Bool[np.ndarray, "V"],
 ) -> Bool[np.ndarray, "T"]:
-    """With single tets as they were before, the costliest first, where the boundary stays a manifold."""
-    occupied, none = occupied.copy(), np.zeros(len(ambient.vertices), dtype=np.int64)
+    """With single tets as they were before, the costliest first, where that makes no new defect."""
+    occupied, defect = occupied.copy(), defect.copy()
     while True:
         tets = np.flatnonzero((occupied != original) & np.isfinite(cost))
-        effect = _effect(_Changes(np.arange(len(tets)), tets), occupied, none, ambient)
-        chosen = _independent(effect, -cost[tets], effect.gain == 0)
+        effect = _effect(_Changes(np.arange(len(tets)), tets), occupied, defect, ambient)
+        harm = np.bincount(effect.change, effect.defect * where[effect.vertex], minlength=len(tets))
+        chosen = _independent(effect, -cost[tets], (effect.gain >= 0) & (harm == 0))
         if not chosen.any():
             return occupied
         occupied[tets[chosen]] ^= True
+        made = chosen[effect.change]
+        defect[effect.vertex[made]] = effect.defect[made]
 
 
 def _tets_to_empty(

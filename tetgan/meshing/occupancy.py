@@ -1,20 +1,23 @@
-"""From any occupancy to one whose boundary is a manifold, without floating crumbs."""
+"""From any occupancy to a solid whose boundary is a manifold, without floating crumbs."""
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from tetgan.grids.grid import TetGrid
-from tetgan.meshing.ambient import ambient_space
+from tetgan.meshing.ambient import Ambient, ambient_space
 from tetgan.meshing.components import count_cavities, drop_small_pieces
-from tetgan.meshing.manifold import make_manifold
+from tetgan.meshing.manifold import boundary_defects, make_manifold
+from tetgan.meshing.opening import Opened, open_pinches
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.solid import SolidChanges
 
+_TRIES = 3  # to mend by occupancy only what could not be opened; then everything is
 
-def valid_occupancy(
+
+def valid_solid(
     occupancy: Bool[np.ndarray, "T"], cost: Float[np.ndarray, "T"], grid: TetGrid, options: MeshingOptions
-) -> tuple[Bool[np.ndarray, "T"], SolidChanges]:
-    """Occupancy with a manifold boundary, and what was changed for it.
+) -> tuple[Opened, SolidChanges]:
+    """A solid with a manifold boundary, and what was changed for it.
 
     First the small pieces go that not even a vertex joins to the rest: mending them would be wasted. Then the
     boundary is made a manifold, and at last the small pieces go that this has cut off.
@@ -28,16 +31,38 @@ def valid_occupancy(
     smallest = options.min_component * volume
     apart = drop_small_pieces(given, ambient, smallest, joined_by="vertices")
     never = np.full(len(given) - len(cost), np.inf)
-    mended = make_manifold(apart.occupancy, ambient, np.concatenate([cost, never]))
-    cut_off = drop_small_pieces(mended, ambient, smallest, joined_by="faces")
+    mended, opened = _mend(apart.occupancy, ambient, np.concatenate([cost, never]), options.min_dihedral)
+    cut_off = drop_small_pieces(opened.occupancy, opened.space, smallest, joined_by="faces")
     added, removed = mended & ~apart.occupancy, apart.occupancy & ~mended
     dropped = np.concatenate([apart.volumes, cut_off.volumes])
     changes = SolidChanges(
         tets_added=int(added.sum()),
         tets_removed=int(removed.sum()),
         changed=float((added | removed).sum() / max(occupancy.sum(), 1)),
+        gaps=opened.gaps,
+        seams=opened.seams,
         dropped_components=len(dropped),
         dropped_volume=float(dropped.sum() / volume) if volume else 0.0,
-        cavities=count_cavities(cut_off.occupancy, ambient),
+        cavities=count_cavities(cut_off.occupancy, opened.space),
     )
-    return cut_off.occupancy[: len(occupancy)], changes
+    return opened._replace(occupancy=cut_off.occupancy), changes
+
+
+def _mend(
+    occupancy: Bool[np.ndarray, "T"], ambient: Ambient, cost: Float[np.ndarray, "T"], min_dihedral: float
+) -> tuple[Bool[np.ndarray, "T"], Opened]:
+    """The occupancy of the grid that is left, and the solid opened (`open_pinches`).
+
+    Where that fails the occupancy is changed first, and all is opened anew: so every time there are more
+    vertices where it is changed, and at last, it is everywhere.
+    """
+    mended, stubborn = occupancy, np.zeros(len(ambient.vertices), dtype=bool)
+    for number in range(_TRIES + 1):
+        opened, left = open_pinches(
+            mended, np.flatnonzero(boundary_defects(mended, ambient)), ambient, min_dihedral
+        )
+        if not len(left):
+            break
+        stubborn[left] = True
+        mended = make_manifold(occupancy, ambient, cost, stubborn | (number == _TRIES - 1))
+    return mended, opened

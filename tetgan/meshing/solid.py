@@ -14,6 +14,8 @@ class SolidChanges:
         tets_added: tets filled for the sake of a manifold boundary.
         tets_removed: tets emptied for its sake; those of dropped pieces do not count.
         changed: tets added and removed, as a share of the tets that Eq. 5 left.
+        gaps: pinches opened by pulling occupied tets back from a vertex.
+        seams: pinches closed by pulling empty tets back.
         dropped_components: floating pieces left out.
         dropped_volume: their volume, as a share of that of all tets that Eq. 5 left.
         cavities: voids inside that the outside does not reach; they stay.
@@ -22,6 +24,8 @@ class SolidChanges:
     tets_added: int = 0
     tets_removed: int = 0
     changed: float = 0.0
+    gaps: int = 0
+    seams: int = 0
     dropped_components: int = 0
     dropped_volume: float = 0.0
     cavities: int = 0
