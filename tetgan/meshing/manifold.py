@@ -56,7 +56,7 @@ def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[
     the number of pieces beyond one of each.
     """
     defect = np.zeros(len(ambient.vertices), dtype=np.int64)
-    vertices = _mixed_vertices(occupancy, ambient)
+    vertices = mixed_vertices(occupancy, ambient)
     defect[vertices] = ambient.around_vertices.pieces(vertices, None, occupancy).defects(len(vertices))
     return defect
 
@@ -94,7 +94,7 @@ def make_manifold(
     return _change_back(occupied, original, ambient, cost, defect=defect, where=where)
 
 
-def _mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "N"]:
+def mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "N"]:
     """Vertices with tets of both kinds around them."""
     touched = np.zeros((2, len(ambient.vertices)), dtype=bool)
     touched[0, ambient.tets[occupancy]] = True
