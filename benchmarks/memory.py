@@ -88,6 +88,12 @@ class Outputs:
     def weight_gradient(x: Tensor, grad: Tensor, *_: Any) -> Tensor:
         return x.new_empty(SLOTS, x.shape[2], grad.shape[2])
 
+    @classmethod
+    def conv_and_weight_gradient(
+        cls, x: Tensor, weight: Tensor, other: Tensor, *_: Any
+    ) -> tuple[Tensor, Tensor]:
+        return cls.conv(x, weight), cls.weight_gradient(x, other)
+
 
 def iteration_cost(
     name: str, hierarchy: GridHierarchy, device: str, width: int = 64, **switches: Any
