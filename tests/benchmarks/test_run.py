@@ -137,3 +137,22 @@ def test_the_error_of_simplification_is_exact_on_made_up_fields():
         "occupancy_changed": 0.2,
     }
     assert error == pytest.approx(expected)
+
+
+COSTS = """
+from memory import iteration_cost
+from tetgan.grids.hierarchy import build_hierarchy
+
+grids = build_hierarchy(1, 1)
+print(*(iteration_cost("LR", grids, "computed", 4, accumulate=each).gigabytes for each in (1, 3)))
+"""
+
+
+def test_a_batch_in_parts_takes_less_memory():
+    # In a process of its own, without checks of types: tensors there have no content, and there are no draws.
+    found = subprocess.run(
+        [sys.executable, "-c", COSTS], cwd=BENCHMARKS, capture_output=True, text=True, check=True
+    )
+    whole, parts = map(float, found.stdout.split())
+    # A third of the features, and all of the fields, weights and moments.
+    assert whole / 3 < parts < whole / 2
