@@ -13,7 +13,7 @@ from tetgan.meshing.solid import SolidChanges
 
 _TRIES = 3  # to mend by occupancy only what could not be opened; then everything is
 # Share of the boundary's vertices at fault beyond which everything is, at once: chairs have up to 0.4, noise
-# up to 0.9, whose thousands of pinches would take minutes to open.
+# up to 0.9, whose pinches took up to 22 s to open on 9,216 tets, and more on larger lattices.
 _NOISE = 0.45
 
 
