@@ -46,11 +46,16 @@ class Patches(NamedTuple):
         """Some of the patches, numbered anew."""
         number, tets, rim = np.cumsum(wanted) - 1, wanted[self.patch], wanted[self.rim_patch]
         return Patches(
-            *(each[wanted] for each in self[:2]),
+            self.vertex[wanted],
+            self.occupied[wanted],
             number[self.patch[tets]],
-            *(each[tets] for each in self[3:5]),
+            self.tets[tets],
+            self.corner[tets],
             number[self.rim_patch[rim]],
-            *(each[rim] for each in self[6:]),
+            self.rim_tets[rim],
+            self.rim_corner[rim],
+            self.rim_slot[rim],
+            self.across[rim],
         )
 
     def renumbered(self, vertices: Int[np.ndarray, "V"], tets: Int[np.ndarray, "T"]) -> "Patches":
