@@ -33,6 +33,7 @@ from tetgan.studies.elasticity.refine import cut_tets
 from tetgan.studies.elasticity.regions import (
     DOWN,
     BoundaryFaces,
+    carry_over,
     choose_faces,
     parse_load,
     parse_support,
@@ -120,12 +121,32 @@ class _Problem(NamedTuple):
     held: Bool[np.ndarray, "N 3"]
 
 
-def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) -> Simulation:
+class _Regions:
+    """Looks regions up on one mesh, for another of the same surface.
+
+    What the floor is depends on the faces, so a finer mesh, or another of the same body, would be held and
+    loaded elsewhere if it chose for itself.
+    """
+
+    def __init__(self, named: BoundaryFaces, faces: BoundaryFaces, reach: float) -> None:
+        self.named, self.faces, self.reach = named, faces, reach
+
+    def __getitem__(self, region: str) -> Bool[np.ndarray, "F"]:
+        chosen = choose_faces(region, self.named, self.reach)
+        return chosen if self.faces is self.named else carry_over(chosen, self.named, self.faces)
+
+
+def simulate(
+    solid: Solid, case: LoadCase, *, surface: Solid | None = None, direct_below: int = DIRECT_BELOW
+) -> Simulation:
     """Deform a solid.
+
+    Regions are chosen before tets are cut, so that `refine` holds and loads the same part of the surface.
 
     Args:
         solid: valid tets in any unit.
         case: material, supports, loads, size and degree of the elements.
+        surface: another mesh of the same body, whose regions are taken.
         direct_below: unknowns from which multigrid takes over.
 
     Raises:
@@ -134,21 +155,23 @@ def simulate(solid: Solid, case: LoadCase, *, direct_below: int = DIRECT_BELOW) 
         UserError: a region or load that cannot be read, or no force.
     """
     _check_tets(solid)
-    solid = cut_tets(solid, case.refine)
-    problem = _pose(solid, case)
+    finer = cut_tets(solid, case.refine)
+    problem = _pose(finer, case, surface or solid)
     _check_held(problem)
     matrix = stiffness(problem.body, case.stuff)
     motions = rigid_motions(problem.body.nodes)
     solution = solve(matrix, problem.forces.ravel(), problem.held.ravel(), motions, direct_below=direct_below)
-    return _finish(problem, solid, matrix, solution)
+    return _finish(problem, finer, matrix, solution)
 
 
-def _pose(solid: Solid, case: LoadCase) -> _Problem:
-    """Regions looked up, and forces spread over the nodes."""
+def _pose(solid: Solid, case: LoadCase, surface: Solid) -> _Problem:
+    """Regions looked up on a surface, and forces spread over the nodes."""
     body = Body(solid.vertices * case.size, solid.tets, case.order)
     faces = body.boundary_faces(case.size)
-    held = _held(body, faces, case)
-    forces, pushes = _forces(body, faces, case)
+    named = faces if surface is solid else Body(*surface, order=1).boundary_faces(1.0)
+    regions = _Regions(named, faces, case.reach)
+    held = _held(body, regions, case)
+    forces, pushes = _forces(body, regions, case)
     if not forces.any():
         raise UserError("no force acts on the body; give a load other than zero, or gravity")
     return _Problem(body, case, forces, pushes, held)
@@ -191,23 +214,21 @@ def _check_tets(solid: Solid) -> None:
         )
 
 
-def _held(body: Body, faces: BoundaryFaces, case: LoadCase) -> Bool[np.ndarray, "N 3"]:
+def _held(body: Body, regions: _Regions, case: LoadCase) -> Bool[np.ndarray, "N 3"]:
     """Which components of the nodes are held."""
     held = np.zeros((len(body.nodes), 3), dtype=bool)
     for support in map(parse_support, case.fix):
-        nodes = body.nodes_of(choose_faces(support.region, faces, case.reach))
+        nodes = body.nodes_of(regions[support.region])
         held[nodes] |= np.array(support.components)
     return held
 
 
-def _forces(
-    body: Body, faces: BoundaryFaces, case: LoadCase
-) -> tuple[Float[np.ndarray, "N 3"], Sequence[Push]]:
+def _forces(body: Body, regions: _Regions, case: LoadCase) -> tuple[Float[np.ndarray, "N 3"], Sequence[Push]]:
     """Forces on the nodes that do the work of even tractions and of the weight; and where the loads act."""
     forces, pushes = np.zeros((len(body.nodes), 3)), []
     for load in map(parse_load, case.load):
-        chosen = choose_faces(load.region, faces, case.reach)
-        pushes.append(Push(faces.middles[chosen], load.force))
+        chosen = regions[load.region]
+        pushes.append(Push(regions.faces.middles[chosen], load.force))
         weights = face_weights(body, chosen)
         forces += (weights / weights.sum())[:, None] * np.array(load.force)
     if case.gravity:

@@ -163,7 +163,7 @@ def _remesh_one(worker: RemeshWorker, solid: Solid, case: LoadCase, peak: float)
     try:
         refined = _peak(solid, finer)
         other = largest_piece(worker.remesh(solid))
-        again = _peak(other, case)
+        again = _peak(other, case, surface=solid)
     except (ShapeError, UnfitError) as error:
         log.warning("remeshed: %s", error)
         return {"remesh_reason": str(error)}
@@ -177,5 +177,5 @@ def _remesh_one(worker: RemeshWorker, solid: Solid, case: LoadCase, peak: float)
     }
 
 
-def _peak(solid: Solid, case: LoadCase) -> float:
-    return float(simulate(solid, case).record()["peak_displacement"])
+def _peak(solid: Solid, case: LoadCase, surface: Solid | None = None) -> float:
+    return float(simulate(solid, case, surface=surface).record()["peak_displacement"])

@@ -6,10 +6,12 @@ import pytest
 from tetgan.errors import UserError
 from tetgan.studies.elasticity.assembly import Body
 from tetgan.studies.elasticity.errors import UnfitError
+from tetgan.studies.elasticity.refine import cut_tets
 from tetgan.studies.elasticity.regions import (
     SIDES,
     Load,
     Support,
+    carry_over,
     choose_faces,
     parse_load,
     parse_support,
@@ -42,6 +44,15 @@ def test_a_side_starts_at_its_outermost_face_however_pointed_the_mesh():
         choose_faces("floor", faces, 1.0)
     blunt = np.concatenate([vertices[1:], [[0.2, 2.5, 0]]])
     assert choose_faces("floor", Body(blunt, np.array([[0, 1, 2, 3]]), 1).boundary_faces(1.0), 0.1).any()
+
+
+def test_finer_faces_take_the_region_of_those_they_are_cut_from(crooked, faces):
+    cut = cut_tets(crooked, 1)
+    finer = Body(*cut, 1).boundary_faces(1.0)
+    for region in (*SIDES, "0,1,0:0.5,1,1"):
+        chosen = choose_faces(region, faces, 0.05)
+        assert carry_over(chosen, faces, finer).sum() == 4 * chosen.sum()
+        assert np.array_equal(carry_over(chosen, faces, faces), chosen)
 
 
 def test_a_box_holds_the_faces_centred_in_it(faces):

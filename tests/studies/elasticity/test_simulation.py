@@ -63,6 +63,19 @@ def test_cut_tets_are_the_same_body_and_a_little_softer(crooked, result):
     assert coarse.work < finer.work < result.work * 1.05
 
 
+def test_cut_tets_are_held_where_the_uncut_are(bar):
+    # A foot cut off at a slant: of its quartered faces the lowest lie lower than the whole ones' middles.
+    block = bar(3, 3, length=0.3, side=1.0)
+    vertices = block.vertices.copy()
+    vertices[:, 1] += np.where(vertices[:, 1] < 0.1, 0.25 * vertices[:, 2], 0.0)
+    slanted = Solid(vertices, block.tets)
+    coarse, finer = (simulate(slanted, LoadCase(reach=0.1, refine=times)) for times in (0, 1))
+    assert set(map(tuple, coarse.feet.round(9))) <= set(map(tuple, finer.feet.round(9)))
+    assert finer.work == pytest.approx(coarse.work, rel=0.1)
+    same = simulate(slanted, LoadCase(reach=0.1), surface=Solid(vertices.copy(), block.tets))
+    np.testing.assert_allclose(same.displacement, coarse.displacement, rtol=1e-9, atol=1e-15)
+
+
 def test_an_inverted_tet_is_refused(crooked):
     vertices = crooked.vertices.copy()
     vertices[np.argmin(((vertices - 0.5) ** 2).sum(axis=1))] += 0.6

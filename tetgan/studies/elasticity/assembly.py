@@ -60,10 +60,9 @@ class Body:
         inner = self.vertices[self.tets[self.mesh.f2t[0, self.boundary]]].mean(axis=1) / size
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-        middles = corners.mean(axis=1)
-        outward = np.einsum("fc,fc->f", normals, middles - inner) > 0
+        outward = np.einsum("fc,fc->f", normals, corners.mean(axis=1) - inner) > 0
         low, high = self.vertices.min(axis=0) / size, self.vertices.max(axis=0) / size
-        return BoundaryFaces(middles, np.where(outward[:, None], normals, -normals), low, high)
+        return BoundaryFaces(corners, np.where(outward[:, None], normals, -normals), low, high)
 
     def nodes_of(self, chosen: Bool[np.ndarray, "F"]) -> Int[np.ndarray, "M"]:
         """Nodes on some of the boundary faces."""

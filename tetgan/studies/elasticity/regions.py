@@ -2,7 +2,9 @@
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 
+import igl
 import numpy as np
 from jaxtyping import Bool, Float
 
@@ -23,15 +25,20 @@ class BoundaryFaces:
     """What a region chooses from.
 
     Attributes:
-        middles: (F, 3) centroids, in the units of the mesh.
+        corners: (F, 3, 3) of each face its corners, in the units of the mesh.
         normals: (F, 3) unit normals, outward.
         low, high: (3,) corners of the box around the mesh.
     """
 
-    middles: Float[np.ndarray, "F 3"]
+    corners: Float[np.ndarray, "F 3 3"]
     normals: Float[np.ndarray, "F 3"]
     low: Float[np.ndarray, "3"]
     high: Float[np.ndarray, "3"]
+
+    @cached_property
+    def middles(self) -> Float[np.ndarray, "F 3"]:
+        """Centroids of the faces."""
+        return self.corners.mean(axis=1)
 
 
 @dataclass(frozen=True)
@@ -101,6 +108,17 @@ def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.nda
             "empty region", f"region '{region}' holds no face of the mesh, which spans {low}:{high}; {remedy}"
         )
     return chosen
+
+
+def carry_over(
+    chosen: Bool[np.ndarray, "F"], faces: BoundaryFaces, others: BoundaryFaces
+) -> Bool[np.ndarray, "G"]:
+    """Which faces of another mesh of the same surface lie nearest to chosen ones, by their centroids."""
+    vertices, count = faces.corners.reshape(-1, 3), len(chosen)
+    _, nearest, _ = igl.point_mesh_squared_distance(
+        others.middles, vertices, np.arange(3 * count).reshape(-1, 3)
+    )
+    return chosen[nearest]
 
 
 def _at_side(axis: int, direction: int, faces: BoundaryFaces, reach: float) -> Bool[np.ndarray, "F"]:
