@@ -164,11 +164,12 @@ def test_a_file_that_is_no_benchmark_is_named(tmp_path):
 
 def test_devices_of_training_are_those_that_models_recorded(tmp_path):
     for name, content in (("a/0", '{"device": "cpu"}'), ("a/1", '{"device": "H100"}'), ("b/0", "{}")):
-        write_text(tmp_path / "chair" / name / "options.json", content)
+        write_text(tmp_path / "models/chair" / name / "options.json", content)
+    write_text(tmp_path / "extractor/options.json", '{"device": "A40"}')
     found = training_devices(tmp_path)
-    assert found == {"chair/a/0": "cpu", "chair/a/1": "H100", "chair/b/0": ""}
+    assert found == {"extractor": "A40", "chair/a/0": "cpu", "chair/a/1": "H100", "chair/b/0": ""}
     assert training_devices(tmp_path / "absent") == {}
-    write_text(tmp_path / "chair/c/0/options.json", "cut o")
+    write_text(tmp_path / "models/chair/c/0/options.json", "cut o")
     with pytest.raises(UserError, match=r"c/0/options\.json: not the options"):
         training_devices(tmp_path)
 

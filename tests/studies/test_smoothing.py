@@ -28,9 +28,11 @@ from tetgan.studies.options import SmoothingOptions
 from tetgan.studies.smoothers import VARIANTS, Variant
 from tetgan.studies.smoothing import study_smoothing
 from tetgan.studies.smoothing_files import Study, read_study
-from tetgan.studies.smoothing_table import FIGURES, IDENTITY, write_smoothing_table
+from tetgan.studies.smoothing_table import FIGURES, IDENTITY, study_table, write_smoothing_table
 
 EVALUATION = EvaluationOptions.parse({"points": 1000, "samples": 4, "kernel": {"block": 2}})
+OTHER_SEED = EvaluationOptions.parse({**EVALUATION.model_dump(), "seed": 1})
+MODEL = {"category": "box", "model": "representation-LR", "grid": "LR", "seed": "0"}
 IDS = [f"box-{number}" for number in range(8)]
 
 
@@ -75,7 +77,7 @@ def run(inputs, out, **changes):
         "study": SmoothingOptions.parse({"crease_points": 200}),
         "meshing": MeshingOptions.parse({}),
         "evaluation": EVALUATION,
-        "identity": {"category": "box", "model": "representation-LR", "grid": "LR"},
+        "identity": MODEL,
     }
     study_smoothing(inputs / "model", inputs / "index.json", out, **(arguments | changes))
     return out
@@ -155,22 +157,37 @@ def test_no_validation_shape_is_an_error(inputs, tmp_path):
 
 
 def test_the_table_has_a_row_a_variant_and_the_floor(folder, tmp_path):
-    write_smoothing_table([folder, folder], tmp_path / "smoothing.csv")
+    write_smoothing_table([folder], tmp_path / "smoothing.csv")
     table = pd.read_csv(tmp_path / "smoothing.csv")
-    assert len(table) == 2 * (len(VARIANTS) + 1)
+    assert len(table) == len(VARIANTS) + 1
     assert tuple(table.columns[: len(IDENTITY)]) == IDENTITY
-    assert len(table.columns) == len(IDENTITY) + 3 * len(FIGURES)
+    assert len(table.columns) == len(IDENTITY) + 4 * len(FIGURES)
     displaced = table[(table["displaced"] == True) & (table["smoothing"] == "wls")].iloc[0]  # noqa: E712
     rows = read_study(folder).of(Variant(True, "wls"))
     assert displaced["chamfer"] == pytest.approx(rows["chamfer"].mean())
     assert displaced["chamfer_low"] <= displaced["chamfer"] <= displaced["chamfer_high"]
     assert displaced["n"] == 2
     assert displaced["beta"] == 0.5
-    assert table["fid"].isna().sum() == 2  # the repaired shapes
+    assert table["fid"].isna().sum() == 1  # the repaired shapes
+    assert table["chamfer_std"].isna().all()  # of one seed
     text = (tmp_path / "smoothing.md").read_text()
     for claim in CLAIMS:
         assert claim.statement in text
     assert "displaced, cotangent" in text
+
+
+def test_seeds_become_one_row_with_their_deviation(inputs, folder, tmp_path):
+    other = run(inputs, tmp_path / "other", identity={**MODEL, "seed": "1"}, evaluation=OTHER_SEED)
+    write_smoothing_table([folder, other], tmp_path / "both.csv")
+    one, two = (study_table(read_study(each)) for each in (folder, other))
+    both = pd.read_csv(tmp_path / "both.csv")
+    assert len(both) == len(one) and set(both["seeds"]) == {2}
+    expected = np.stack([one["chamfer"], two["chamfer"]])
+    np.testing.assert_allclose(both["chamfer"], expected.mean(axis=0))
+    np.testing.assert_allclose(both["chamfer_std"], expected.std(axis=0, ddof=1))
+    assert (both["chamfer_std"] > 0).any()
+    text = (tmp_path / "both.md").read_text()
+    assert " ± " in text and "| Seed " in text
 
 
 def test_no_study_is_an_error(tmp_path):

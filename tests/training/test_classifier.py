@@ -10,6 +10,7 @@ import pytest
 import torch
 
 from tetgan.errors import UserError
+from tetgan.nn.device import device_name, pick_device
 from tetgan.training.classifier import ClassifierTrainer, _turn, train_classifier
 from tetgan.training.extractor_options import ExtractorOptions
 from tetgan.training.labelled import read_splits
@@ -51,6 +52,7 @@ def test_log_and_options_tell_what_was_done(trained):
     assert log["epoch"].tolist() == [1, 2, 3]
     about = json.loads((trained / "options.json").read_text())
     assert about["categories"] == ["lying", "standing"]
+    assert about["device"] == device_name(pick_device("auto"))
     assert about["holdout_accuracy"] == log["holdout_accuracy"].iloc[-1]
     assert ExtractorOptions.parse(about["options"]) == OPTIONS
 

@@ -18,6 +18,7 @@ from torch.nn import functional
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
+from tetgan.nn.device import device_name
 
 INPUT_POINTS = 1024
 FEATURES = 256
@@ -226,7 +227,11 @@ class Classifier(NamedTuple):
 
 
 def save_classifier(folder: Path, network: PointNet2, about: dict[str, Any]) -> None:
-    """Write `weights.safetensors` and `options.json`; `about` holds `categories` and `holdout_accuracy`."""
+    """Write `weights.safetensors` and `options.json`: the device, and `about`.
+
+    `about` holds `categories` and `holdout_accuracy`.
+    """
+    about = {**about, "device": device_name(next(network.parameters()).device)}
     tensors = {name: tensor.detach().cpu().contiguous() for name, tensor in network.state_dict().items()}
     with whole_file(folder / "options.json") as partial:
         partial.write_text(json.dumps(about, indent=1) + "\n")

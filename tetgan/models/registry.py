@@ -16,6 +16,7 @@ from tetgan.models.baselines.implicit import SurfaceModel
 from tetgan.models.generator import FieldGenerator, LatentModel
 from tetgan.models.kinds import ModelOptions, kind_of
 from tetgan.models.options import KindOptions
+from tetgan.nn.device import device_name
 from tetgan.options import parse_options
 
 OPTIONS, WEIGHTS = "options.json", "weights.safetensors"
@@ -57,8 +58,12 @@ def save_generator(
     grid = {"grid_digest": hierarchy.digest} if hierarchy else {}
     state = generator.state_dict()
     device = next((value.device for value in state.values()), CPU)
-    made = {"device": torch.cuda.get_device_name(device) if device.type == "cuda" else device.type}
-    record = {"model": options.model_dump(mode="json"), **grid, **made, **further}
+    record = {
+        "model": options.model_dump(mode="json"),
+        **grid,
+        "device": device_name(device),
+        **further,
+    }
     with whole_file(folder / OPTIONS) as partial:
         partial.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
     weights = {name: value.detach().cpu().contiguous() for name, value in state.items()}

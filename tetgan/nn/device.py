@@ -1,4 +1,4 @@
-"""Which device a name stands for."""
+"""Which device a name stands for, and the name of a device."""
 
 import torch
 
@@ -16,3 +16,8 @@ def pick_device(name: str) -> torch.device:
     if name == "cuda" and not torch.cuda.is_available():
         raise UserError("device 'cuda': this machine has no CUDA device; use 'auto' or 'cpu'")
     return torch.device(name)
+
+
+def device_name(device: torch.device) -> str:
+    """What provenance calls it: the GPU's own name, or `cpu`."""
+    return torch.cuda.get_device_name(device) if device.type == "cuda" else device.type

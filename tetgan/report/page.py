@@ -111,7 +111,7 @@ def _provenance(results: Path, config: Mapping[str, Any]) -> dict[str, Markup]:
     return {
         "Code and machine that made this page": _pairs({"commit": code_commit(), **machine()}),
         "Seeds": _pairs(seeds_of(config)),
-        "Devices of training": _pairs(_by_device(training_devices(results / "models"))),
+        "Devices of training": _pairs(_by_device(training_devices(results))),
         "Time of each stage": _times(stages),
         "Packages": _pairs(package_versions()),
     }

@@ -79,15 +79,18 @@ def _processor() -> str:
     return found.group(1) if found else platform.processor() or "unknown"
 
 
-def training_devices(models: Path) -> dict[str, str]:
-    """Device that each model was trained on, by `{category}/{model}/{seed}`; empty where it was not kept."""
+def training_devices(results: Path) -> dict[str, str]:
+    """Device that each network was trained on; empty where it was not kept.
+
+    Models go by `{category}/{model}/{seed}`, the extractor of FID's features by `extractor`.
+    """
     found = {}
-    for path in sorted(models.glob("*/*/*/options.json")):
+    for path in sorted([*results.glob("models/*/*/*/options.json"), *results.glob("extractor/options.json")]):
         try:
             device = json.loads(path.read_text(encoding="utf-8")).get("device", "")
         except (ValueError, AttributeError):
             raise UserError(f"{path}: not the options of a trained model; train it again") from None
-        found["/".join(path.parts[-4:-1])] = str(device)
+        found["/".join(path.relative_to(results).parts[:-1]).removeprefix("models/")] = str(device)
     return found
 
 

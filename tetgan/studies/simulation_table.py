@@ -1,6 +1,6 @@
-"""The simulation study as people read it: a row a model and mode."""
+"""The simulation study as people read it: a row a model and mode, over all its seeds."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,9 @@ from tetgan.errors import UserError
 from tetgan.evaluation.markdown import markdown_table, page, round_value, write_twins
 
 _IDENTITY = ["category", "model", "grid", "mode", "smoothing"]
+_SPREAD = ["simulated", "standing", "displacement", "difference", "refined_difference"]
 _NOTES = [
+    "±: deviation over seeds of the same figure, of each seed's samples alone.",
     "Samples are the first generated ones of each model; of one in several pieces the largest is simulated.",
     "Not simulated: samples with inverted tets, for which no solution means anything; 'not held' are those"
     " whose feet do not keep them from moving; 'empty region' those without a face that looks down at the"
@@ -24,26 +26,46 @@ _NOTES = [
 
 
 def write_simulation_table(studies: Sequence[Path], out: Path) -> None:
-    """Write a row for each study, as CSV and as Markdown.
+    """Write a row for each model and mode, as CSV and as Markdown.
+
+    Args:
+        studies: one for each model, mode and seed.
 
     Raises:
         UserError: a file is no study of `tetgan simulation-study`.
     """
-    table = pd.DataFrame([summarise(_read(path)) for path in studies])
+    seeds: dict[tuple[Any, ...], list[pd.DataFrame]] = {}
+    for rows in map(_read, studies):
+        seeds.setdefault(tuple(_identity(rows).values()), []).append(rows)
+    table = pd.DataFrame(list(map(over_seeds, seeds.values())))
     write_twins(table, page("Simulation", _readable(table), notes=_NOTES), out)
 
 
+def over_seeds(studies: Sequence[pd.DataFrame]) -> dict[str, Any]:
+    """What `summarise` says of the samples of all seeds together, and its deviation from seed to seed."""
+    of_each = pd.DataFrame([summarise(rows) for rows in studies])
+    spread = of_each[_SPREAD].astype(float).std(ddof=1)
+    return {
+        **_identity(studies[0]),
+        "seeds": len(studies),
+        **summarise(pd.concat(studies, ignore_index=True)),
+        **{f"{name}_std": spread[name] for name in _SPREAD},
+    }
+
+
+def _identity(rows: pd.DataFrame) -> dict[str, Any]:
+    return {name: rows[name].iloc[0] for name in _IDENTITY if name in rows}
+
+
 def summarise(rows: pd.DataFrame) -> dict[str, Any]:
-    """Counts, and the distribution of what was measured, over the samples of one model and mode."""
+    """Counts, and the distribution of what was measured, over samples."""
     done = rows[rows["reason"] == ""]
     failed = rows.loc[rows["reason"] != "", "reason"].value_counts()
     peaks = 1e3 * _column(done, "peak_displacement")
     difference, refined = (
         _column(done, name).abs().dropna() for name in ("difference", "refined_difference")
     )
-    identity = {name: rows[name].iloc[0] for name in _IDENTITY if name in rows}
     return {
-        **identity,
         "n": len(rows),
         "simulated": len(done),
         "failed": len(rows) - len(done),
@@ -90,10 +112,10 @@ def _readable(table: pd.DataFrame) -> str:
             "Model": table["model"],
             "Mode": table["mode"],
             "Samples": table["n"],
-            "Simulated": table["simulated"],
+            "Simulated": table.apply(_with_spread, axis=1, args=("simulated", str)),
             "Not simulated": table["reasons"].replace("", "—"),
             "In pieces": table["in_pieces"],
-            "Standing": table["standing"],
+            "Standing": table.apply(_with_spread, axis=1, args=("standing", str)),
             "Tets": table["tets"].map(_number),
             "Seconds": table["seconds"].map(_number),
             "Largest displacement, mm": table.apply(_peaks, axis=1),
@@ -105,12 +127,22 @@ def _readable(table: pd.DataFrame) -> str:
 
 
 def _peaks(row: pd.Series) -> str:
-    middle, low, high = (_number(row[f"displacement{part}"]) for part in ("", "_p5", "_p95"))
-    return f"{middle} [{low}, {high}]"
+    low, high = (_number(row[f"displacement{end}"]) for end in ("_p5", "_p95"))
+    return f"{_with_spread(row, 'displacement', _number)} [{low}, {high}]"
 
 
 def _differences(row: pd.Series, name: str) -> str:
-    return f"{_share(row[name])} ({_share(row[f'{name}_most'])})" if row["remeshed"] else "—"
+    if not row["remeshed"]:
+        return "—"
+    return f"{_with_spread(row, name, _share)} ({_share(row[f'{name}_most'])})"
+
+
+def _with_spread(row: pd.Series, name: str, show: Callable[[Any], str]) -> str:
+    """A figure, and its deviation over seeds where there are several."""
+    spread = row[f"{name}_std"]
+    return show(row[name]) + (
+        "" if pd.isna(spread) else f" ± {_share(spread) if show is _share else _number(spread)}"
+    )
 
 
 def _number(value: float) -> str:

@@ -28,8 +28,8 @@ def render_smoothing(table: pd.DataFrame, studies: Sequence[Study]) -> str:
     """Markdown: what becomes of the paper's claims, the figures, and how they were measured.
 
     Args:
-        table: of `study_table`, of all models.
-        studies: of the same models.
+        table: of all models, over their seeds.
+        studies: of the same models, one for each seed.
     """
     parts = ["# Smoothing", _introduction(studies), "## The paper's claims", _claims(studies)]
     for (category, model), rows in table.groupby(["category", "model"], sort=False):
@@ -49,6 +49,7 @@ def _introduction(studies: Sequence[Study]) -> str:
 
 
 def _claims(studies: Sequence[Study]) -> str:
+    several = len({study.report["seed"] for study in studies}) > 1
     lines = []
     for study in studies:
         findings = {claim.statement: weigh_claim(claim, study) for claim in CLAIMS}
@@ -58,6 +59,7 @@ def _claims(studies: Sequence[Study]) -> str:
                 {
                     "Category": study.report["category"],
                     "Fields": study.report["model"],
+                    **({"Seed": study.report["seed"]} if several else {}),
                     "Claim": statement,
                     "Difference": _difference(finding),
                     "Holds": finding.holds,
@@ -75,8 +77,17 @@ def _difference(finding: Finding) -> str:
 def _figures(rows: pd.DataFrame) -> str:
     shown = {"Surface": [_row_name(*row) for row in zip(rows["displaced"], rows["smoothing"], strict=True)]}
     for figure, title in _TITLES.items():
-        shown[title] = ["—" if pd.isna(value) else f"{value:.3g}" for value in rows[figure]]
+        shown[title] = [
+            _figure(value, std) for value, std in zip(rows[figure], rows[f"{figure}_std"], strict=True)
+        ]
     return pd.DataFrame(shown).to_markdown(index=False, disable_numparse=True)
+
+
+def _figure(value: float, std: float) -> str:
+    """A mean over seeds, and the deviation where there are several."""
+    if pd.isna(value):
+        return "—"
+    return f"{value:.3g}" + ("" if pd.isna(std) else f" ± {std:.2g}")
 
 
 def _row_name(displaced: Any, smoothing: str) -> str:
@@ -96,6 +107,7 @@ def _notes(studies: Sequence[Study]) -> str:
         "intervals leave it.",
         "Chamfer, volumes, bends: reconstructions of validation shapes against their repaired meshes; a "
         "`representation` reconstructs by ground-truth fields. The CSV has every interval.",
+        "Several seeds are one row: mean ± deviation over seeds; the claims are weighed seed by seed.",
         f"FID and KID: {numbers} generated surfaces against as many held-out ones (a `representation` takes "
         "training fields); the same fields and random points for each variant.",
         "Bend: angle between the outward normals of two faces that share an edge, weighted by the edge's "

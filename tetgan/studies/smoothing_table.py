@@ -23,11 +23,12 @@ IDENTITY = (
     "displaced",
     "smoothing",
     "beta",
+    "seeds",
     "n",
     "samples",
     "extractor",
 )
-"""First columns: `n` validation shapes compared, `samples` surfaces on each side of FID and KID."""
+"""First columns. Of each seed: `n` validation shapes compared, `samples` surfaces a side of FID and KID."""
 
 FIGURES = (
     "chamfer",
@@ -42,14 +43,14 @@ FIGURES = (
     "manifold_edges",
     "inverted_tets",
 )
-"""Each followed by the ends of its interval, `_low` and `_high`."""
+"""Each followed by its deviation over seeds, `_std`, and the ends of its interval, `_low` and `_high`."""
 
 
 def write_smoothing_table(studies: Sequence[Path], out: Path) -> None:
     """Write the table as CSV and, with what it says of the paper's claims, as Markdown beside it.
 
     Args:
-        studies: folders that `study_smoothing` wrote.
+        studies: folders that `study_smoothing` wrote, one for each model and seed.
 
     Raises:
         UserError: there is none, or one that is not whole.
@@ -57,8 +58,21 @@ def write_smoothing_table(studies: Sequence[Path], out: Path) -> None:
     if not studies:
         raise UserError(f"{out}: no study of a model; name one under studies.smoothing.models")
     loaded = [read_study(folder) for folder in studies]
-    table = pd.concat([study_table(study) for study in loaded], ignore_index=True)
+    table = over_seeds(pd.concat([study_table(study) for study in loaded], ignore_index=True))
     write_twins(table, render_smoothing(table, loaded), out)
+
+
+def over_seeds(rows: pd.DataFrame) -> pd.DataFrame:
+    """Rows of several seeds as one: means of figures and of the ends of their intervals."""
+    keys = [name for name in IDENTITY if name not in {"seeds", "n", "samples"}]
+    groups = rows.groupby(keys, sort=False, dropna=False)
+    table = groups[[name for name in rows if name not in IDENTITY]].mean()
+    table[[f"{figure}_std" for figure in FIGURES]] = groups[list(FIGURES)].std().to_numpy()
+    table = table.assign(seeds=groups.size(), n=groups["n"].min(), samples=groups["samples"].min())
+    ends = ("", "_std", "_low", "_high")
+    columns = [*IDENTITY, *(f"{figure}{end}" for figure in FIGURES for end in ends)]
+    kinds = dict.fromkeys(("tets", "seeds", "n", "samples"), "Int64") | {"displaced": "boolean"}
+    return table.reset_index()[columns].astype(kinds)
 
 
 def study_table(study: Study) -> pd.DataFrame:
@@ -78,9 +92,9 @@ def study_table(study: Study) -> pd.DataFrame:
             }
         lines.append(line)
     lines.append(shared | {"smoothing": REPAIRED} | _means(study.of_repaired(), evaluation))
-    columns = [*IDENTITY, *(f"{figure}{end}" for figure in FIGURES for end in ("", "_low", "_high"))]
-    kinds = dict.fromkeys(("tets", "n", "samples"), "Int64") | {"displaced": "boolean"}
-    return pd.DataFrame(lines, columns=columns).astype(kinds)
+    figures = [f"{figure}{end}" for figure in FIGURES for end in ("", "_low", "_high")]
+    columns = [*(name for name in IDENTITY if name != "seeds"), *figures]
+    return pd.DataFrame(lines, columns=columns).astype(dict.fromkeys(figures, float))
 
 
 def _means(rows: pd.DataFrame, evaluation: EvaluationOptions) -> dict[str, Any]:

@@ -160,8 +160,7 @@ def ablation_changes(wildcards):
 
 def study_identity(wildcards):
     """What the rows of a study say of the model whose fields or samples it took."""
-    names = {key: value for key, value in wildcards.items() if key != "seed"}
-    return json.dumps({**names, "grid": SETTINGS.models[wildcards.model].grid})
+    return json.dumps({**wildcards, "grid": SETTINGS.models[wildcards.model].grid})
 
 
 def model_fields(wildcards):

@@ -44,7 +44,6 @@ rule make_simulation_table:
             each_mode(
                 "<results>/studies/simulation/{{category}}/{model}/{seed}/{mode}.csv",
                 SIMULATED,
-                seeds=config["seeds"][:1],
             ),
             category=config["categories"],
         ),

@@ -93,7 +93,7 @@ rule make_smoothing_table:
             "<results>/studies/smoothing/{category}/{model}/{seed}",
             category=config["categories"],
             model=config["studies"]["smoothing"]["models"],
-            seed=config["seeds"][:1],
+            seed=config["seeds"],
         ),
     output:
         table=report(

@@ -75,15 +75,30 @@ def test_every_sample_has_a_row_and_a_reason(study):
 
 
 def test_the_table_counts_them(study, tmp_path):
-    write_simulation_table([study, study], tmp_path / "table.csv")
-    table = pd.read_csv(tmp_path / "table.csv")
-    row = table.iloc[1]
+    write_simulation_table([study], tmp_path / "table.csv")
+    row = pd.read_csv(tmp_path / "table.csv").iloc[0]
+    assert row["seeds"] == 1 and np.isnan(row["displacement_std"])
     assert (row["n"], row["simulated"], row["failed"]) == (5, 3, 2)
     assert row["reasons"] == "1 nothing in it; 1 inverted tets"
     assert (row["in_pieces"], row["standing"], row["remeshed"]) == (1, 2, 0)
     assert row["displacement_p5"] <= row["displacement"] <= row["displacement_p95"]
     assert np.isnan(row["difference"])
     assert "1 inverted tets" in (tmp_path / "table.md").read_text()
+
+
+def test_seeds_become_one_row_with_their_deviation(study, tmp_path):
+    rows = pd.read_csv(study, dtype={"id": str}, keep_default_na=False, na_values=[""])
+    rows.assign(peak_displacement=3 * rows["peak_displacement"]).to_csv(tmp_path / "other.csv", index=False)
+    rows.assign(mode="paper").to_csv(tmp_path / "paper.csv", index=False)
+    files = [study, tmp_path / "paper.csv", tmp_path / "other.csv"]
+    write_simulation_table(files, tmp_path / "table.csv")
+    table = pd.read_csv(tmp_path / "table.csv").set_index("mode")
+    assert table["seeds"].to_dict() == {"solid": 2, "paper": 1}
+    assert table["n"].to_dict() == {"solid": 10, "paper": 5}
+    one = table.loc["paper", "displacement"]
+    assert table.loc["solid", "displacement_std"] == pytest.approx(np.std([one, 3 * one], ddof=1))
+    assert table.loc["solid", "simulated_std"] == 0
+    assert "6 ± 0" in (tmp_path / "table.md").read_text()
 
 
 def test_a_file_that_is_no_study_is_named(tmp_path):
