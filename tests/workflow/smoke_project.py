@@ -11,10 +11,14 @@ TARGETS = ["results/smoke/tables/chair.csv", "results/smoke/figures/chair/sample
 
 
 class Project:
-    """A folder with the workflow in it, in which Snakemake runs as a person would run it."""
+    """A folder with the workflow in it, in which Snakemake runs as a person would run it.
+
+    `told` is what the smoke run printed.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.told = ""
         for name in ("config", "workflow"):
             shutil.copytree(ROOT / name, folder / name)
         shutil.copy(ROOT / "Snakefile", folder)

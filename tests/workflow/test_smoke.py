@@ -39,6 +39,12 @@ def test_the_smoke_run_ends_with_a_whole_table(smoked):
     assert (project.folder / TARGETS[0]).with_suffix(".md").read_text().count("|") > 50
 
 
+def test_the_scheduler_looks_at_its_queue_when_jobs_end_and_not_all_the_time(smoked):
+    told = smoked[0].told
+    looks, jobs = told.count("Ready jobs: "), told.count("Finished jobid")
+    assert jobs / 4 < looks < 2 * jobs
+
+
 def test_the_gathered_tables_hold_what_the_run_measured(smoked):
     project, _, _ = smoked
     names = ("fid", "variety", "reconstruction", "manifold", "quality", "dataset", "runtime")
