@@ -83,8 +83,8 @@ def apart(measure, rods, slabs, extractor):
 
 def test_perfect_copies_are_as_close_as_sampling_allows(same):
     got = values(same[0]["found"])
-    # Six of eight on each side, drawn independently and their points too: not all originals are among them. One
-    # may lie apart by its features, which the rounding in a few seconds of training decides.
+    # Six of eight on each side, drawn independently and their points too: not all originals are among them.
+    # One may lie apart by its features, which the rounding in a few seconds of training decides.
     assert got["cov"] >= 0.5
     assert min(got["precision"], got["recall"]) >= 5 / 6
     assert got["manifold_edges"] == 1
