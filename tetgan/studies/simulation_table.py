@@ -34,9 +34,9 @@ def write_simulation_table(studies: Sequence[Path], out: Path) -> None:
     Raises:
         UserError: a file is no study of `tetgan simulation-study`.
     """
-    seeds: dict[tuple[Any, ...], list[pd.DataFrame]] = {}
+    seeds: dict[tuple[str, ...], list[pd.DataFrame]] = {}
     for rows in map(_read, studies):
-        seeds.setdefault(tuple(_identity(rows).values()), []).append(rows)
+        seeds.setdefault(tuple(map(str, _identity(rows).values())), []).append(rows)
     table = pd.DataFrame(list(map(over_seeds, seeds.values())))
     write_twins(table, page("Simulation", _readable(table), notes=_NOTES), out)
 
