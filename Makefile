@@ -35,7 +35,7 @@ report: setup  ## Every table and figure on one page that opens offline: results
 	$(BIN)/snakemake --cores $(CORES) results/report.html
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
-	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CORES) --dist loadgroup $(if $(PYTEST),$(PYTEST),-m "not slow")
+	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CORES) --no-loadscope-reorder $(if $(PYTEST),$(PYTEST),-m "not slow")
 
 bench: setup  ## Every benchmark: benchmarks/latest.json, docs/performance.md (at toy sizes: make bench BENCH=--quick)
 	$(BIN)/python benchmarks/run.py $(BENCH)

@@ -2,14 +2,11 @@
 
 import numpy as np
 import pandas as pd
-import pytest
 import yaml
 from PIL import Image
 from smoke_project import ROOT, planned
 
 from tetgan.config import Config
-
-pytestmark = pytest.mark.xdist_group("workflow")
 
 TABLE, FIGURE = "tables/ablation.csv", "figures/chair/ablations.png"
 DEFAULT = Config.parse(yaml.safe_load((ROOT / "config" / "config.yaml").read_text()))

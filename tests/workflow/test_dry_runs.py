@@ -6,8 +6,6 @@ import pytest
 import yaml
 from smoke_project import ROOT, planned
 
-pytestmark = pytest.mark.xdist_group("workflow")
-
 CONFIGS = sorted(path.name for path in (ROOT / "config").glob("*.yaml"))
 PROFILES = sorted((ROOT / "workflow" / "profiles").glob("*/config.yaml"))
 

@@ -7,7 +7,6 @@ import yaml
 from smoke_project import planned
 from worked_example import CONFIG, MODULE, write_module
 
-pytestmark = pytest.mark.xdist_group("workflow")
 METRICS = "results/{run}/metrics/chair/linear/0/paper.json"
 
 

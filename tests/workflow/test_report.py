@@ -1,9 +1,7 @@
 """The page of the smoke run."""
 
-import pytest
 from smoke_project import planned
 
-pytestmark = pytest.mark.xdist_group("workflow")
 PAGE = "results/smoke/report.html"
 
 

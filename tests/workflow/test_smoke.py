@@ -8,8 +8,6 @@ import pytest
 from PIL import Image
 from smoke_project import TARGETS, planned
 
-pytestmark = pytest.mark.xdist_group("workflow")
-
 
 def test_the_smoke_run_ends_with_a_whole_table(smoked):
     project, _, _ = smoked

@@ -7,7 +7,6 @@ import pytest
 from PIL import Image
 from smoke_project import planned
 
-pytestmark = pytest.mark.xdist_group("workflow")
 TARGETS = [
     "results/smoke/tables/resolution.csv",
     "results/smoke/tables/smoothing.csv",
