@@ -158,8 +158,24 @@ def test_memory_for_products_is_used_again_and_never_handed_out(neighbors, monke
 
 @pytest.mark.parametrize("rows", [1, 7, 64, 96])
 def test_bias_of_any_number_of_rows(rows):
-    y, bias = draw(0, rows, 3).detach(), draw(1, 3).detach()
-    assert torch.equal(cpu._add_bias(y.clone(), bias), y + bias)
+    y, bias = torch.empty(rows, 1, 3), draw(1, 3).detach()
+    cpu._fill_rows(y, bias)
+    assert torch.equal(y, bias.expand(rows, 1, 3))
+
+
+@pytest.mark.parametrize("method", cpu._METHODS)
+@pytest.mark.parametrize("side", ["product", "adjoint"])
+def test_every_method_adds_the_bias_once(neighbors, method, side):
+    maps, x, weight, bias = (
+        TetNeighbors(neighbors),
+        draw(0, len(neighbors), 2, 3),
+        draw(1, SLOTS, 3, 4),
+        draw(2, 4),
+    )
+    inputs = [v.detach() for v in (x, weight, bias)]
+    plain = cpu._METHODS[method](inputs[0], inputs[1], None, maps, side)
+    biased = cpu._METHODS[method](*inputs, maps, side)
+    torch.testing.assert_close(biased, plain + inputs[2], rtol=0, atol=1e-6 * float(plain.abs().max()))
 
 
 @pytest.mark.parametrize("few", [0, 1 << 19])

@@ -40,7 +40,7 @@ class Gathers:
     def __init__(self, bags: Bags, batch: int) -> None:
         self.bags, self.batch = bags, batch
         self._chunks: dict[int, list[Chunk]] = {}
-        self._sums: dict[int, Bags] = {}
+        self._sums: dict[tuple[int, bool], Bags] = {}
 
     def chunks(self, size: int) -> list[Chunk]:
         """The bags of `size` tets at a time. They share one table, so every size costs next to nothing."""
@@ -57,14 +57,27 @@ class Gathers:
             ]
         return self._chunks[size]
 
-    def sums(self, width: int) -> Bags:
-        """One bag a tet and shape: five rows of a table (T·B, `width`), which holds a row for each slot."""
-        if width not in self._sums:
+    def sums(self, width: int, *, and_last: bool = False) -> Bags:
+        """One bag a tet and shape: five rows of a table (T·B, `width`), which holds a row for each slot.
+
+        With `and_last` also the first row behind the table, after the others.
+        """
+        if (width, and_last) not in self._sums:
             rows, starts = self.bags
             slots = torch.arange(len(starts) - 1, dtype=rows.dtype, device=rows.device) % SLOTS
             places = rows * width + slots.repeat_interleave(starts.diff())
-            self._sums[width] = Bags(places, starts[::SLOTS].contiguous())
-        return self._sums[width]
+            sums = Bags(places, starts[::SLOTS].contiguous())
+            self._sums[width, and_last] = _with_last(sums, width) if and_last else sums
+        return self._sums[width, and_last]
+
+
+def _with_last(sums: Bags, width: int) -> Bags:
+    """Each bag with one row more: the one behind the table."""
+    bags = torch.arange(len(sums.starts), dtype=sums.rows.dtype, device=sums.rows.device)
+    rows = sums.rows.new_full((len(sums.rows) + len(bags) - 1,), width * (len(bags) - 1))
+    kept = torch.arange(len(sums.rows), device=bags.device) + bags[:-1].repeat_interleave(sums.starts.diff())
+    rows[kept] = sums.rows
+    return Bags(rows, sums.starts + bags)
 
 
 class TetNeighbors(nn.Module):

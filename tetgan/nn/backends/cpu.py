@@ -65,29 +65,36 @@ def conv_and_weight_gradient(
 def _multiply_columns(
     x: Tensor, weight: Tensor, bias: Tensor | None, neighbors: TetNeighbors, side: Side
 ) -> Tensor:
-    """Five rows side by side, then one product."""
+    """Five rows side by side, then one product, added to the bias where there is one."""
     y, matrix = x.new_empty(*x.shape[:2], weight.shape[2]), weight.flatten(0, 1)
+    if bias is not None:
+        _fill_rows(y, bias)
     for columns, out in _columns(x, neighbors, side, y):
         if bias is None:
             torch.mm(columns, matrix, out=out)
         else:
-            torch.addmm(bias, columns, matrix, out=out)
+            out.addmm_(columns, matrix)
     return y
 
 
 def _multiply_first(
     x: Tensor, weight: Tensor, bias: Tensor | None, neighbors: TetNeighbors, side: Side
 ) -> Tensor:
-    """All five products of every tet, then sums of five rows: gathering commutes with multiplying."""
+    """All five products of every tet, then sums of five rows: gathering commutes with multiplying.
+
+    The bias is a row behind the table that every sum takes as its last.
+    """
     tets, batch, channels = x.shape
     out = weight.shape[2]
     width = rows_in_table(out)
     wide = x.new_zeros(channels, width * out)
     wide[:, : SLOTS * out] = weight.transpose(0, 1).flatten(1)
-    products = _scratch(x, tets * batch, wide.shape[1])
-    torch.mm(x.view(-1, channels), wide, out=products)
-    y = _sum_rows(products.view(-1, out), neighbors.gathers(side, batch).sums(width))
-    return (y if bias is None else _add_bias(y, bias)).view(tets, batch, out)
+    table = _scratch(x, tets * batch + 1, wide.shape[1])
+    torch.mm(x.view(-1, channels), wide, out=table[:-1])
+    if bias is not None:
+        table[-1, :out] = bias
+    sums = neighbors.gathers(side, batch).sums(width, and_last=bias is not None)
+    return _sum_rows(table.view(-1, out), sums).view(tets, batch, out)
 
 
 class _Kept(local):
@@ -109,11 +116,10 @@ def _scratch(x: Tensor, rows: int, columns: int) -> Tensor:
     return _kept.block[:size].view(x.dtype).view(rows, columns)
 
 
-def _add_bias(y: Tensor, bias: Tensor) -> Tensor:
-    """In place, many rows at a time: a loop over a few channels would cost more than the sum."""
-    rows = gcd(len(y), _BIAS_ROWS)
-    y.view(-1, rows * y.shape[1]).add_(bias.repeat(rows))
-    return y
+def _fill_rows(y: Tensor, bias: Tensor) -> None:
+    """The bias in every row, many rows at a time: a loop over a few channels costs more than the bytes."""
+    rows = gcd(y.shape[0] * y.shape[1], _BIAS_ROWS)
+    y.view(-1, rows * y.shape[2]).copy_(bias.repeat(rows))
 
 
 def _columns(x: Tensor, neighbors: TetNeighbors, side: Side, *along: Tensor) -> Iterator[tuple[Tensor, ...]]:
