@@ -36,10 +36,20 @@ def test_a_close_view_holds_all_shapes_and_no_more(size):
     pictures = [covered(view.draw(*shape)) for shape in shapes]
     for picture in pictures:
         assert not picture[[0, -1]].any() and not picture[:, [0, -1]].any()
-    # The furthest vertex lies at 1 / 1.06 = 94 % of the way to the frame, so ink is in the outer tenth.
-    rim = np.ones((size[1], size[0]), dtype=bool)
-    rim[size[1] // 10 : -size[1] // 10, size[0] // 10 : -size[0] // 10] = False
-    assert any((picture & rim).any() for picture in pictures)
+    # Along the side that decides, vertices reach to 1 / 1.06 = 94 % of the way to the frame, at both ends.
+    ink = np.any(pictures, axis=0)
+    rows, columns = (np.flatnonzero(ink.any(axis=axis)) for axis in (1, 0))
+    gaps = [(rows[0], size[1] - 1 - rows[-1], size[1]), (columns[0], size[0] - 1 - columns[-1], size[0])]
+    assert all(abs(before - after) <= 1 for before, after, _ in gaps)
+    assert min(before / side for before, _, side in gaps) == pytest.approx((1 - 1 / 1.06) / 2, abs=0.015)
+
+
+def test_a_point_is_where_its_pixel_is_drawn():
+    vertices, faces = box((0.6, 0.7, 0.5), (0.62, 0.72, 0.52))
+    view = View(size=(200, 100), middle=(0.4, 0.6, 0.9))
+    rows, columns = np.nonzero(covered(view.draw(vertices, faces)))
+    ((column, row),) = view.pixels(vertices.mean(axis=0, keepdims=True))
+    assert (columns.mean() + 0.5, rows.mean() + 0.5) == pytest.approx((column, row), abs=0.6)
 
 
 def test_without_shapes_the_view_stays():

@@ -15,29 +15,49 @@ _MARGIN = 1.06  # room left around the shapes that touch the frame
 
 @dataclass(frozen=True)
 class View:
-    """Direction and scale of a picture whose middle is that of the cube.
+    """Direction, scale and middle of a picture.
 
     Attributes:
         size: width and height in pixels.
         azimuth, elevation: as in `render_mesh`.
         span: cube sides along the shorter side of the picture; by default the whole cube is in it, however it
             is turned about the upright axis.
+        middle: the point in the middle of the picture; by default that of the cube.
     """
 
     size: tuple[int, int] = (300, 300)
     azimuth: float | int = 35.0
     elevation: float | int = 20.0
     span: float | int = 1.5
+    middle: tuple[float, float, float] = MIDDLE
 
     def close_to(self, shapes: Iterable[Float[np.ndarray, "_v 3"]]) -> "View":
-        """The same view as near as it can be with all of these vertices in the picture."""
-        return self.holding(self.reach_of(shapes))
+        """As near as it can be with all of these vertices in the picture, themselves in the middle of it."""
+        shapes = [points for points in shapes if len(points)]
+        if not shapes:
+            return self
+        places = np.concatenate(shapes) @ self._axes
+        offset = (places.min(axis=0) + places.max(axis=0)) / 2 - np.array(self.middle) @ self._axes
+        x, y, z = np.array(self.middle) + self._axes @ offset
+        view = replace(self, middle=(float(x), float(y), float(z)))
+        return view.holding(view.reach_of(shapes))
 
     def reach_of(self, shapes: Iterable[Float[np.ndarray, "_v 3"]]) -> Float[np.ndarray, "2"]:
         """How far vertices lie from the middle at most, across and up the picture, in cube sides."""
-        axes = camera_axes(self.azimuth, self.elevation)[:, :2]
-        reaches = [np.abs((points - np.array(MIDDLE)) @ axes).max(axis=0) for points in shapes if len(points)]
+        middle, axes = np.array(self.middle), self._axes
+        reaches = [np.abs((points - middle) @ axes).max(axis=0) for points in shapes if len(points)]
         return np.max([np.zeros(2), *reaches], axis=0)
+
+    def pixels(self, points: Float[np.ndarray, "A 3"]) -> Float[np.ndarray, "A 2"]:
+        """Columns and rows of points in the picture."""
+        scale = min(self.size) / self.span
+        across = (points - np.array(self.middle)) @ self._axes
+        return np.array(self.size) / 2 + scale * across * np.array([1, -1])
+
+    @property
+    def _axes(self) -> Float[np.ndarray, "3 2"]:
+        """Across and up the picture."""
+        return camera_axes(self.azimuth, self.elevation)[:, :2]
 
     def holding(self, reach: Float[np.ndarray, "2"]) -> "View":
         """The view with a reach just inside the picture; the view as it is, for no reach."""
@@ -61,7 +81,7 @@ class View:
             elevation=self.elevation,
             colors=colors,
             span=self.span,
-            middle=MIDDLE,
+            middle=self.middle,
         )
 
     @property

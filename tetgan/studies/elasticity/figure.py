@@ -13,9 +13,8 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from tetgan.grids.adjacency import boundary_faces
-from tetgan.rendering.raycast import camera_axes
 from tetgan.rendering.style import WIDTH, plot_style, save_plot
-from tetgan.rendering.view import MIDDLE, View
+from tetgan.rendering.view import View
 from tetgan.studies.simulation import Push, Simulation
 
 WOOD: tuple[float, float, float] = (0.60, 0.36, 0.16)  # linear RGB of the body at rest
@@ -110,7 +109,7 @@ def _draw_arrows(axes: Axes, push: Push, view: View) -> None:
     """Arrows that end on a load's faces, spread over them."""
     ends = _spread(push.places, int(np.abs(push.force).argmax()))
     starts = ends - _ARROW * _unit(push.force)
-    for start, end in zip(_pixels(starts, view), _pixels(ends, view), strict=True):
+    for start, end in zip(view.pixels(starts), view.pixels(ends), strict=True):
         looks = {"arrowstyle": "-|>", "color": "#B00020", "linewidth": 1.0, "shrinkA": 0, "shrinkB": 0}
         axes.annotate("", xy=tuple(end), xytext=tuple(start), arrowprops=looks)
 
@@ -124,13 +123,6 @@ def _spread(places: Float[np.ndarray, "P 3"], axis: int) -> Float[np.ndarray, "A
     order = np.argsort(((inside - cells - 0.5) ** 2).sum(axis=1), kind="stable")
     _, first = np.unique(cells[order], axis=0, return_index=True)
     return places[order[first]]
-
-
-def _pixels(points: Float[np.ndarray, "A 3"], view: View) -> Float[np.ndarray, "A 2"]:
-    """Columns and rows of points in the picture of a view."""
-    across = (points - np.array(MIDDLE)) @ camera_axes(view.azimuth, view.elevation)[:, :2]
-    scale = min(view.size) / view.span
-    return np.array(view.size) / 2 + scale * across * np.array([1, -1])
 
 
 def _unit(force: tuple[float, float, float]) -> Float[np.ndarray, "3"]:
