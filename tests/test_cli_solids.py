@@ -100,12 +100,20 @@ def error_of(monkeypatch, capsys, *arguments):
     return line.split(" (")[0]
 
 
-def test_two_meshes_of_one_name_cannot_go_to_one_folder(folder, tmp_path, monkeypatch, capsys):
-    again = tmp_path / "good.vtu"
+def test_meshes_of_several_folders_keep_their_places_and_a_broken_one_is_listed(folder, tmp_path):
+    again = tmp_path / "others" / "good.vtu"
+    again.parent.mkdir()
     again.write_bytes((folder / "good.vtu").read_bytes())
-    line = error_of(monkeypatch, capsys, "certify", folder, again, "--out", tmp_path / "out")
-    assert line == "error: good.vtu: two meshes of this name; certify their folders apart"
-    assert not (tmp_path / "out").exists()
+    (again.parent / "broken.npz").write_text("nothing")
+    done = run("certify", folder, again.parent, again, "--out", tmp_path / "out")
+    assert done.returncode == 1, done.stderr
+    assert f"{again.parent}/broken.npz: not usable: not an archive of vertices and tets" in done.stdout
+    assert done.stdout.splitlines()[-1] == "2 of 4 meshes are valid"
+    table = pd.read_csv(tmp_path / "out" / "certificate.csv")
+    names = ["meshes/good.vtu", "meshes/more/bad.msh", "others/broken.npz", "others/good.vtu"]
+    assert (list(table["mesh"]), list(table["valid"])) == (names, [True, False, False, True])
+    assert table["reasons"][2].startswith("not an archive")
+    assert not json.loads((tmp_path / "out" / "others" / "broken.npz.json").read_text())["valid"]
 
 
 def test_an_unknown_version_is_one_line(folder, tmp_path, monkeypatch, capsys):

@@ -31,8 +31,8 @@ def certify(
 
     found = certify_files(meshes, out)
     for one in found:
-        typer.echo(verdict(one.path, one.certificate))
-    invalid = sum(not one.certificate.valid for one in found)
+        typer.echo(verdict(one))
+    invalid = sum(not one.valid for one in found)
     if len(found) > 1:
         typer.echo(f"{len(found) - invalid} of {len(found)} meshes are valid")
     if invalid:

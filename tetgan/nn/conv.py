@@ -55,11 +55,11 @@ def input_gradients_only() -> Iterator[None]:
     PyTorch asks a function for every gradient that its inputs could take, wanted or not.
     """
     global _weights_wanted  # noqa: PLW0603 - the backward pass of a GPU runs in another thread
-    _weights_wanted = False
+    before, _weights_wanted = _weights_wanted, False
     try:
         yield
     finally:
-        _weights_wanted = True
+        _weights_wanted = before
 
 
 @dataclass(frozen=True)
