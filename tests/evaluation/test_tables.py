@@ -86,7 +86,7 @@ def test_modes_are_rows_of_their_own_and_surfaces_have_none(tmp_path):
         assert f"| {name} " in text
 
 
-def test_columns_are_identity_then_five_a_metric(tmp_path):
+def test_columns_are_identity_then_six_a_metric(tmp_path):
     table, _ = make_table(tmp_path, [report("tetgan-LR")])
     assert tuple(table.columns[: len(IDENTITY)]) == IDENTITY
     assert list(table.columns[len(IDENTITY) :][:5]) == [
@@ -94,9 +94,10 @@ def test_columns_are_identity_then_five_a_metric(tmp_path):
         "chamfer_std",
         "chamfer_low",
         "chamfer_high",
+        "chamfer_n",
         "chamfer_paper",
     ]
-    assert len(table.columns) == len(IDENTITY) + 5 * len(METRICS)
+    assert len(table.columns) == len(IDENTITY) + 6 * len(METRICS)
 
 
 def test_the_papers_figures_stand_beside_its_rows_alone_as_printed(tmp_path):
@@ -114,7 +115,7 @@ def test_one_seed_keeps_its_own_deviation_and_interval(tmp_path):
     table, _ = make_table(tmp_path, [report("tetgan-LR", variety=(0.5, 0.4, 0.6, 0.1))])
     row = table.iloc[0]
     assert [row[f"variety{part}"] for part in ("", "_std", "_low", "_high")] == ["0.5", "0.1", "0.4", "0.6"]
-    assert (row["seeds"], row["n"], row["tets"]) == ("1", "4", "9216")
+    assert (row["variety_n"], row["seeds"], row["n"], row["tets"]) == ("4", "1", "4", "9216")
 
 
 def test_every_metric_has_its_place_in_the_readable_table(tmp_path):

@@ -21,6 +21,7 @@ from tetgan.evaluation.tables import (
     metric_cells,
     printed_figures,
     read_reports,
+    with_whole_counts,
 )
 
 COLUMNS = tuple(dict.fromkeys((*METRICS, *SOLID_METRICS)))
@@ -86,8 +87,7 @@ def build_ablation(
         rows.append(row)
     identity = ["model", "changes", *(name for name in IDENTITY if name != "model")]
     metrics = [f"{metric}{part}" for metric in COLUMNS for part in METRIC_PARTS]
-    table = pd.DataFrame(rows, columns=[*identity, *metrics])
-    return table.astype(dict.fromkeys(("tets", "seeds", "n"), "Int64"))
+    return with_whole_counts(pd.DataFrame(rows, columns=[*identity, *metrics]))
 
 
 def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], category: str) -> str:

@@ -54,7 +54,7 @@ IDENTITY = (
 )
 """First columns of a table."""
 
-METRIC_PARTS = ("", "_std", "_low", "_high", "_paper")
+METRIC_PARTS = ("", "_std", "_low", "_high", "_n", "_paper")
 """Endings of the columns of a metric."""
 
 _SMOOTHING_ORDER = {"none": 0, "wls": 1}
@@ -91,7 +91,13 @@ def build_table(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, categ
         *(f"{m}{part}" for m in METRICS for part in METRIC_PARTS),
     ]
     table = pd.DataFrame(rows, columns=columns)
-    return table.astype(dict.fromkeys(("tets", "seeds", "n"), "Int64"))
+    return with_whole_counts(table)
+
+
+def with_whole_counts(table: pd.DataFrame) -> pd.DataFrame:
+    """Counts as whole numbers that may be missing, rather than as floats."""
+    counts = [name for name in table if name in ("tets", "seeds", "n") or name.endswith(("_n", "_seeds"))]
+    return table.astype(dict.fromkeys(counts, "Int64"))
 
 
 def group_reports(reports: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[Mapping[str, Any]]]]:
@@ -176,21 +182,31 @@ def estimates_of(
 def metric_cells(
     column: str, estimates: Sequence[Mapping[str, Any]], printed: str | None = None
 ) -> dict[str, Any]:
-    """Value and interval, averaged over seeds; deviation over seeds, or within the one seed there is.
+    """Value, interval and number of items, averaged over seeds; deviation over seeds, or within the only one.
+
+    The items are what the value rests on: meshes, or for what compares two sets the surfaces on each side.
 
     Args:
         column: name of the value's column, to which the others append.
         printed: the paper's figure.
     """
-    values = [estimate["value"] for estimate in estimates if estimate.get("value") is not None]
+    measured = [estimate for estimate in estimates if estimate.get("value") is not None]
+    values, items = ([estimate.get(part) for estimate in measured] for part in ("value", "n"))
     within = estimates[0].get("std") if len(estimates) == 1 else None
     return {
         column: known_mean(values),
         f"{column}_std": float(np.std(values, ddof=1)) if len(values) > 1 else within,
         f"{column}_low": known_mean(estimate.get("low") for estimate in estimates),
         f"{column}_high": known_mean(estimate.get("high") for estimate in estimates),
+        f"{column}_n": rounded_mean(items),
         f"{column}_paper": printed,
     }
+
+
+def rounded_mean(values: Iterable[float | int | None]) -> int | None:
+    """Mean of the counts that are there, as a whole number."""
+    mean = known_mean(values)
+    return None if mean is None else round(mean)
 
 
 def known_mean(values: Iterable[float | int | None]) -> float | None:

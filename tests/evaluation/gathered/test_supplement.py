@@ -22,7 +22,7 @@ def cells(table, row: int, category: str) -> list[str]:
 
 def test_columns_are_identity_then_seven_a_category_of_the_paper(supplement, report):
     table, _ = supplement([report("bench", "tetgan-HR", fid=(4, 3, 5, None, 64))])
-    parts = ("", "_std", "_low", "_high", "_paper", "_n", "_seeds")
+    parts = ("", "_std", "_low", "_high", "_n", "_paper", "_seeds")
     assert list(table.columns) == [*IDENTITY, *(c + part for c in CATEGORIES for part in parts)]
 
 

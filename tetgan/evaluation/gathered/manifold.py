@@ -16,6 +16,7 @@ from tetgan.evaluation.tables import (
     known_mean,
     metric_cells,
     read_reports,
+    with_whole_counts,
 )
 
 METRICS = ("manifold_edges", "boundary_edges", "nonmanifold_edges", "manifold_shapes")
@@ -68,14 +69,14 @@ def write_manifold(metrics: Sequence[Path], paper: Path, out: Path) -> None:
 
 
 def build_manifold(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame) -> pd.DataFrame:
-    """One row a category, model, mode and smoothing: `IDENTITY`, then five columns a metric."""
+    """One row a category, model, mode and smoothing: `IDENTITY`, then the columns of each metric."""
     rows = [
         _row(members, smoothing, paper)
         for category in dict.fromkeys(report["category"] for report in reports)
         for smoothing, members in group_reports([r for r in reports if r["category"] == category])
     ]
     columns = [*IDENTITY, *(f"{metric}{part}" for metric in METRICS for part in METRIC_PARTS)]
-    return pd.DataFrame(rows, columns=columns).astype(dict.fromkeys(("tets", "seeds", "n"), "Int64"))
+    return with_whole_counts(pd.DataFrame(rows, columns=columns))
 
 
 def _row(members: Sequence[Mapping[str, Any]], smoothing: str, paper: pd.DataFrame) -> dict[str, Any]:

@@ -14,10 +14,10 @@ from tetgan.evaluation.tables import (
     estimates_of,
     group_reports,
     identity_cells,
-    known_mean,
     metric_cells,
     printed_figures,
     read_reports,
+    with_whole_counts,
 )
 
 CATEGORIES = ("bench", "sofa", "table", "vase")
@@ -64,7 +64,7 @@ def write_supplement(metrics: Sequence[Path], paper: Path, figure: str, out: Pat
 
 
 def build_supplement(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, metric: str) -> pd.DataFrame:
-    """For each category c the columns c, c_std, c_low, c_high, c_paper, c_n and c_seeds, after `IDENTITY`.
+    """For each category c the columns c, c_std, c_low, c_high, c_n, c_paper and c_seeds, after `IDENTITY`.
 
     `c_n` counts the items that the figure rests on: meshes, or for FID the surfaces on each side.
     """
@@ -77,19 +77,14 @@ def build_supplement(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, 
             own = [member for member in members if member["category"] == category]
             row |= _category_cells(category, estimates_of(own, smoothing, metric), printed)
         rows.append(row)
-    counts = [f"{category}_{part}" for category in CATEGORIES for part in ("n", "seeds")]
-    return pd.DataFrame(rows).astype(dict.fromkeys(("tets", *counts), "Int64"))
+    return with_whole_counts(pd.DataFrame(rows))
 
 
 def _category_cells(
     category: str, estimates: Sequence[Mapping[str, Any]], printed: str | None
 ) -> dict[str, Any]:
     measured = [estimate for estimate in estimates if estimate.get("value") is not None]
-    items = known_mean(estimate["n"] for estimate in measured)
-    return metric_cells(category, estimates, printed) | {
-        f"{category}_n": None if items is None else round(items),
-        f"{category}_seeds": len(measured) or None,
-    }
+    return metric_cells(category, estimates, printed) | {f"{category}_seeds": len(measured) or None}
 
 
 def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], figure: str) -> str:
