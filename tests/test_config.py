@@ -225,7 +225,7 @@ def test_reductions_of_baselines_name_their_own_sizes():
                 "gan": {
                     "kind": "shapegan-gan",
                     "sampling": "voxels-32",
-                    "training": {"epochs": [3, 2, 1]},
+                    "training": {"epochs": [3, 2, 1], "fade_in": 0.5},
                 },
             },
         )
@@ -237,4 +237,16 @@ def test_reductions_of_baselines_name_their_own_sizes():
     )
     assert config.reductions("star") == config.reductions("small")
     assert config.reductions("coarse") == config.reductions("small") + "; faces 300 (paper 5500)"
-    assert config.reductions("gan") == "voxels a side 32 (paper 64); epochs 6 (paper 1000)"
+    assert config.reductions("gan") == (
+        "voxels a side 32 (paper 64); epochs 6 (paper 1000); fade-in epochs 0.5 (paper 10)"
+    )
+
+
+def test_an_ablation_of_a_models_weights_has_its_sizes_and_training_of_its_own():
+    models = {
+        "full": {"kind": "tetgan", "grid": "LR", "width": 16, "training": {"epochs": 50}},
+        "gcn": {"kind": "deftet", "grid": "LR", "of": "full", "training": {"epochs": 60}},
+    }
+    config = Config.parse(changed(models=models))
+    assert "epochs 50 (paper 100)" in config.reductions("full")
+    assert config.reductions("gcn") == config.reductions("full").replace("epochs 50", "epochs 60")

@@ -252,15 +252,15 @@ class Config(Options):
         """What is smaller than in the paper for one model, or chosen otherwise, in words; empty: nothing."""
         options: Any = self.models[model]
         kind = kind_of(options)
-        if kind.of:
-            return self.reductions(options.of)
         told, data, training = [], None, None
         if kind.trained:
             data = self.grids[options.grid] if kind.sampling is None else self.samplings[options.sampling]
             training = self.training_of(model)
         elif under := self.reductions(options.of):
             told.append(under)
-        sizes = kind.load("sizes")(options, data, training)
+        if kind.of:  # of the sizes of another model, but with training of its own
+            options = self.models[options.of]
+        sizes = kind_of(options).load("sizes")(options, data, training)
         return "; ".join([*told, *(f"{key} {size}" for key, size in sizes.items() if size.differs)])
 
 

@@ -96,7 +96,9 @@ def build_table(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, categ
 
 def with_whole_counts(table: pd.DataFrame) -> pd.DataFrame:
     """Counts as whole numbers that may be missing, rather than as floats."""
-    counts = [name for name in table if name in ("tets", "seeds", "n") or name.endswith(("_n", "_seeds"))]
+    counts = [
+        name for name in map(str, table) if name in ("tets", "seeds", "n") or name.endswith(("_n", "_seeds"))
+    ]
     return table.astype(dict.fromkeys(counts, "Int64"))
 
 
@@ -191,14 +193,14 @@ def metric_cells(
         printed: the paper's figure.
     """
     measured = [estimate for estimate in estimates if estimate.get("value") is not None]
-    values, items = ([estimate.get(part) for estimate in measured] for part in ("value", "n"))
+    values = [estimate["value"] for estimate in measured]
     within = estimates[0].get("std") if len(estimates) == 1 else None
     return {
         column: known_mean(values),
         f"{column}_std": float(np.std(values, ddof=1)) if len(values) > 1 else within,
         f"{column}_low": known_mean(estimate.get("low") for estimate in estimates),
         f"{column}_high": known_mean(estimate.get("high") for estimate in estimates),
-        f"{column}_n": rounded_mean(items),
+        f"{column}_n": rounded_mean(estimate.get("n") for estimate in measured),
         f"{column}_paper": printed,
     }
 

@@ -17,8 +17,8 @@ from tetgan.models.options import (
 class Size(NamedTuple):
     """One of ours, and what it is in full: the paper's, or, where no source states it, our own."""
 
-    ours: int
-    full: int
+    ours: int | float
+    full: int | float
     stated: bool = True
 
     @property
@@ -27,7 +27,7 @@ class Size(NamedTuple):
         return self.ours < self.full
 
     def __str__(self) -> str:
-        return f"{self.ours} ({'paper' if self.stated else 'our full run'} {self.full})"
+        return f"{self.ours:g} ({'paper' if self.stated else 'our full run'} {self.full:g})"
 
 
 class Choice(NamedTuple):
@@ -84,6 +84,7 @@ def of_shapegan(options: ShapeGanOptions, sampling: VoxelOptions, training: Any)
         "voxels a side": Size(sampling.resolution, 64),
         "cells a side": Size(options.resolution, 64),
         "epochs": Size(epochs, 1000),
+        "fade-in epochs": Size(training.fade_in, 10),
         "batch": Size(training.batch_size, 16),
     }
 
