@@ -72,6 +72,9 @@ class FigureOptions(Options):
     columns: int = Field(8, ge=1, description="shapes in a row")
 
 
+_BOUNDS = ("representation", "pca")  # kinds of model that say what a grid or a linear map can do
+
+
 class Config(Options):
     """Everything that decides a result. Machine sizes stand in workflow/profiles, not here."""
 
@@ -196,8 +199,12 @@ class Config(Options):
 
     @property
     def table_models(self) -> list[str]:
-        """Rows of a category's table: every model but those of the ablation that are not the full one."""
-        return [name for name in self.models if name not in self.ablation[1:]]
+        """Rows of a category's table: every model but those of the ablation that are not the full one.
+
+        In the order of the config, the bounds (ground-truth fields, PCA) last, as in the table.
+        """
+        names = [name for name in self.models if name not in self.ablation[1:]]
+        return sorted(names, key=lambda name: self.models[name].kind in _BOUNDS)
 
     def training_of(self, model: str) -> Options:
         """Training options of one model, of the class that goes with its kind."""

@@ -70,7 +70,8 @@ def test_samples(draw, cells, made):
     assert with_a_shape(cells) == 16 * [True]
     height, width, _ = cells[0].shape
     assert height == 300 and picture.shape[0] == 4 * 300 and picture.shape[1] > 4 * width
-    assert table.groupby("set").size().to_dict() == {"generated": 4, "validation": 4}
+    assert table.groupby("set").size().to_dict() == {"generated": 4, "reconstructed": 4, "validation": 4}
+    assert (table["faces"] > 0).all()
 
 
 def test_comparison(draw, cells, made):

@@ -47,6 +47,12 @@ def read_solid(path: Path) -> Solid | None:
     return Solid(mesh.points.astype(np.float64), mesh.cells_dict["tetra"].astype(np.int64))
 
 
+def list_shapes(shown: Sequence[tuple[str, str, str, Shape | None]]) -> pd.DataFrame:
+    """The table beside a figure from model, set, id and shape of all in it; an empty one has no faces."""
+    rows = [(*names, 0 if shape is None else len(shape.faces)) for *names, shape in shown]
+    return pd.DataFrame(rows, columns=["model", "set", "id", "faces"])
+
+
 def cut_open(solid: Solid | None, normal: Sequence[float | int], share: float = 0.5) -> Shape | None:
     """A solid without what lies beyond a plane, so that its inside shows.
 

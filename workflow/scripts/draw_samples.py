@@ -3,14 +3,13 @@
 import sys
 from pathlib import Path
 
-import pandas as pd
-
-from tetgan.rendering.figure import Row, draw_rows
+from tetgan.rendering.figure import Row, Shape, draw_rows
 from tetgan.rendering.meshes import (
     CUT,
     CUT_AZIMUTH,
     cut_open,
     finished_samples,
+    list_shapes,
     read_originals,
     read_shape,
     read_solid,
@@ -19,32 +18,39 @@ from tetgan.rendering.meshes import (
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
 
+Shown = list[tuple[str, str, str, Shape | None]]
 
-def model_rows(samples: Path, name: str, columns: int) -> list[Row]:
+
+def read_shown(folder: Path, name: str, kind: str, columns: int) -> Shown:
+    """The first shapes of a model of one kind: reconstructed or generated."""
+    ids = sample_ids(folder, kind, columns)
+    return [(name, kind, i, read_shape(folder / kind / f"{i}.ply")) for i in ids]
+
+
+def model_rows(folder: Path, name: str, reconstructed: Shown, generated: Shown) -> list[Row]:
     """Rows of one model: reconstructions, samples, samples cut open; all smoothed (Eq. 4)."""
-    folder = finished_samples(samples)
-    reconstructed, generated = (
-        [folder / kind / f"{shape_id}.ply" for shape_id in sample_ids(folder, kind, columns)]
-        for kind in ("reconstructed", "generated")
-    )
-    solids = [read_solid(path.with_suffix(".vtu")) for path in generated]
+    solids = [read_solid(folder / "generated" / f"{shape_id}.vtu") for _, _, shape_id, _ in generated]
     return [
-        Row(f"{name}\nreconstructed", [read_shape(path) for path in reconstructed], ruled=True),
-        Row(f"{name}\nsampled", [read_shape(path) for path in generated]),
+        Row(f"{name}\nreconstructed", [shape for *_, shape in reconstructed], ruled=True),
+        Row(f"{name}\nsampled", [shape for *_, shape in generated]),
         Row(f"{name}\ncut open", [cut_open(solid, CUT) for solid in solids], azimuth=CUT_AZIMUTH),
     ]
 
 
 def draw(samples: list[Path], names: list[str], archives: list[str], columns: int, out: Path) -> None:
     wanted = sample_ids(finished_samples(samples[0]), "reconstructed", columns)
-    rows = [Row("validation\nshapes", read_originals(archives, wanted))]
-    shown = []
-    for folder, name in zip(samples, names, strict=True):
-        rows += model_rows(folder, name, columns)
-        shown += [(name, "generated", i) for i in sample_ids(finished_samples(folder), "generated", columns)]
-    shown += [("", "validation", shape_id) for shape_id in wanted]
+    originals = read_originals(archives, wanted)
+    rows = [Row("validation\nshapes", originals)]
+    shown: Shown = [
+        ("", "validation", shape_id, shape) for shape_id, shape in zip(wanted, originals, strict=True)
+    ]
+    for samples_of_model, name in zip(samples, names, strict=True):
+        folder = finished_samples(samples_of_model)
+        kinds = [read_shown(folder, name, kind, columns) for kind in ("reconstructed", "generated")]
+        rows += model_rows(folder, name, *kinds)
+        shown += [one for kind in kinds for one in kind]
     save_image(out, draw_rows(rows, View()))
-    pd.DataFrame(shown, columns=["model", "set", "id"]).to_csv(out.with_suffix(".csv"), index=False)
+    list_shapes(shown).to_csv(out.with_suffix(".csv"), index=False)
 
 
 with Path(snakemake.log[0]).open("w") as log:
