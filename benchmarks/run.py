@@ -25,7 +25,7 @@ from tetgan.files import whole_file
 
 HERE = Path(__file__).parent
 MODULES = ("start", "grids", "fields", "simplification", "metrics", "sizes")
-MODULES += ("conv", "step", "memory", "solids")
+MODULES += ("conv", "step", "memory", "solids", "simulation")
 
 log = logging.getLogger("benchmarks")
 
@@ -101,9 +101,10 @@ def merge(before: Records, found: Records, *, keep_all: bool) -> Records:
     """New figures over old ones; what was measured on other devices stays, unless measured anew.
 
     Args:
-        keep_all: keep those of this processor, too: only some benchmarks ran.
+        keep_all: keep those of this processor, and computed ones, too: only some benchmarks ran.
     """
-    kept = {name: each for name, each in before.items() if keep_all or each["device"] != cpu_name()}
+    anew = cpu_name(), "computed"
+    kept = {name: each for name, each in before.items() if keep_all or each["device"] not in anew}
     return kept | found
 
 

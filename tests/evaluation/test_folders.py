@@ -111,6 +111,18 @@ def test_sets_that_are_apart_share_nothing(apart):
         assert got[name] > floor[name]
 
 
+def test_a_collapsed_generator_has_no_variety_and_covers_one_shape(measure, slabs, same, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("collapsed")
+    for i in range(8):
+        slab(0.4).export(folder / f"{i}.ply")  # as one of the reference
+    got = values(measure(folder, slabs)[0]["found"])
+    assert got["cov"] == 1 / OPTIONS.sets.shapes  # one of the reference shapes has all of them
+    area = 2 * (0.8 * 0.6 + (0.8 + 0.6) * 0.4)
+    floor = 2 * area / (np.pi * OPTIONS.points)  # one surface, sampled twice
+    assert 0.7 * floor < got["variety"] < 1.1 * floor
+    assert got["variety"] < 0.8 * values(same[0]["found"])["variety"]
+
+
 def test_the_floor_is_half_against_half(apart):
     assert apart[0]["found"]["metrics"]["mmd"]["n"] == 6
     assert apart[0]["floor"]["metrics"]["mmd"]["n"] == 4

@@ -30,6 +30,13 @@ def test_axis_aligned_gaussians_add_up():
     assert fid(first, second) == pytest.approx(1 + 0 + 1 + 4, rel=1e-10)
 
 
+def test_a_collapsed_generator_is_as_far_as_the_spread_that_it_lacks():
+    # All at one point: squared distance of the means, and the whole variance of the others.
+    others = exact_gaussian(90, np.zeros(3), np.array([1.0, 2.0, 3.0]), seed=1)
+    collapsed = np.tile([2.0, 0.0, 1.0], (90, 1))
+    assert fid(collapsed, others) == pytest.approx(4 + 1 + 1 + 4 + 9, rel=1e-9)
+
+
 def test_matrix_root_gives_the_same():
     rng = np.random.default_rng(3)
     first, second = rng.normal(size=(60, 8)) @ rng.normal(size=(8, 8)), rng.normal(size=(50, 8)) + 0.3
