@@ -84,6 +84,23 @@ def test_a_tile_is_smaller_than_the_channels(few):
     torch.testing.assert_close(got.cpu(), wanted, rtol=1e-4, atol=1e-4)
 
 
+@needs_triton
+def test_gradient_of_the_weights_from_several_ranges_of_rows(neighbors, backend):
+    if backend != "triton":
+        pytest.skip("how Triton's kernel divides its rows")
+    device, maps = on_device(backend), TetNeighbors(neighbors)
+    x, grad = draw(0, len(neighbors), 11, 2).detach(), draw(1, len(neighbors), 11, 3).detach()
+    kernels = choice.kernels(backend)
+    assert x.shape[0] * x.shape[1] >= 2 * 16 * kernels._ROWS  # two ranges, of which the second is not full
+    wanted = cpu.weight_gradient(x.double(), grad.double(), maps, "product")
+    once, again = (
+        kernels.weight_gradient(x.to(device), grad.to(device), maps.to(device), "product") for _ in range(2)
+    )
+    assert torch.equal(once, again)
+    torch.testing.assert_close(once.cpu().double(), wanted, rtol=0, atol=2e-6 * float(wanted.abs().max()))
+
+
+@pytest.mark.parametrize("backend", [*BACKENDS, "reference"], indirect=True)
 def test_derivatives_of_every_backend_in_float64(few, backend):
     if on_device(backend) == "cuda":
         pytest.skip("Triton's kernels take float64 in the interpreter only")
@@ -94,6 +111,7 @@ def test_derivatives_of_every_backend_in_float64(few, backend):
         assert torch.autograd.gradgradcheck(lambda *a: tet_conv(*a, maps), inputs, fast_mode=True)
 
 
+@pytest.mark.parametrize("backend", [*BACKENDS, "reference"], indirect=True)
 def test_the_same_bytes_twice(few, backend):
     inputs = draw(0, len(few), 3, 9), draw(1, SLOTS, 9, 11), draw(2, 11)
     once, again = (derivatives(backend, few, *inputs) for _ in range(2))
@@ -283,6 +301,27 @@ def test_an_unknown_backend_is_named():
         conv_backend("cuda"),
     ):
         pass
+
+
+class NoCompiler:
+    """A backend whose kernels cannot be built."""
+
+    @staticmethod
+    def try_out() -> None:
+        raise RuntimeError("gcc: not found\nand a long trace")
+
+
+def test_kernels_that_cannot_be_built_are_told_in_a_line(monkeypatch, caplog):
+    monkeypatch.setattr(choice, "kernels", lambda _: NoCompiler)
+    triton_works.cache_clear()
+    try:
+        with caplog.at_level(logging.WARNING):
+            chosen = {backend_for(torch.device("cuda"), torch.float32) for _ in range(3)}
+    finally:
+        triton_works.cache_clear()
+    assert chosen == {"cpu"}
+    (line,) = (record.getMessage() for record in caplog.records)
+    assert "(gcc: not found)" in line and "trace" not in line
 
 
 def test_without_triton_a_gpu_falls_back_and_says_so_once(monkeypatch, caplog):

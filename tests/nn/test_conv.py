@@ -89,6 +89,20 @@ def test_a_penalty_on_input_gradients_reaches_the_weights(neighbors):
     assert penalties[0].abs().sum() > 0
 
 
+def test_gradients_of_the_weights_are_left_out_until_the_outer_block_ends(few):
+    x, weight = draw(len(few), 1, 2, requires_grad=True), draw(SLOTS, 2, 3, requires_grad=True)
+
+    def of_weight():
+        y = tet_conv(x, weight, None, TetNeighbors(few)).sum()
+        return torch.autograd.grad(y, (x, weight), allow_unused=True)[1]
+
+    with input_gradients_only():
+        with input_gradients_only():
+            pass
+        assert of_weight() is None
+    assert of_weight() is not None
+
+
 @pytest.mark.parametrize(("channels", "out"), WIDTHS)
 def test_unordered_neighbors_share_a_matrix(neighbors, channels, out):
     conv = TetConv(channels, out, TetNeighbors(neighbors, ordered=False)).double()
