@@ -217,7 +217,7 @@ def _row(mesh: SolidMesh, faithful: SolidMesh, case: Case) -> dict[str, Any]:
         "filled": mesh.changes.tets_added / max(before.tets, 1),
         "gaps": mesh.changes.gaps,
         "seams": mesh.changes.seams,
-        "dropped_volume": mesh.changes.dropped_volume,
+        "dropped_volume": sum(mesh.changes.dropped),
         "cavities": found.cavities,
         "volume_ratio": found.volume / before.volume,
         "distance_ratio": distances[0] / distances[1],

@@ -44,8 +44,7 @@ def valid_solid(
         changed=float((added | removed).sum() / max(occupancy.sum(), 1)),
         gaps=opened.gaps,
         seams=opened.seams,
-        dropped_components=len(dropped),
-        dropped_volume=float(dropped.sum() / volume) if volume else 0.0,
+        dropped=tuple((dropped / volume).tolist()) if volume else (),
         cavities=count_cavities(cut_off.occupancy, opened.space),
     )
     return opened._replace(occupancy=cut_off.occupancy), changes

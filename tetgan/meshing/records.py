@@ -22,15 +22,20 @@ def quality_record(mesh: SolidMesh, certificate: Certificate | None = None) -> d
         certificate: of the mesh, if it is known already.
 
     Returns:
-        The columns of `Certificate`; `thickness` in cube sides (`median_thickness`); and of `SolidChanges`
-        what was added, removed and dropped. All numbers are 0 for an empty mesh.
+        The columns of `Certificate`; `thickness` in cube sides (`median_thickness`); of `SolidChanges`
+        what was added and removed; and how many floating pieces were dropped, their share of the volume, and
+        the shares of each, joined by blanks. All numbers are 0 for an empty mesh.
     """
     changes = asdict(mesh.changes)
     del changes["cavities"]  # the certificate counts them in the mesh itself
+    dropped = changes.pop("dropped")
     return {
         **(certificate or certify(mesh.vertices, mesh.tets)).row(),
         "thickness": median_thickness(mesh.vertices, mesh.faces),
         **changes,
+        "dropped_components": len(dropped),
+        "dropped_volume": float(sum(dropped)),
+        "dropped": " ".join(f"{share:.3g}" for share in dropped),
     }
 
 

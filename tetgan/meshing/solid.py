@@ -16,8 +16,7 @@ class SolidChanges:
         changed: tets added and removed, as a share of the tets that Eq. 5 left.
         gaps: pinches opened by pulling occupied tets back from a vertex.
         seams: pinches closed by pulling empty tets back.
-        dropped_components: floating pieces left out.
-        dropped_volume: their volume, as a share of that of all tets that Eq. 5 left.
+        dropped: floating pieces left out: the volume of each, as a share of that of all tets that Eq. 5 left.
         cavities: voids inside that the outside does not reach; they stay.
     """
 
@@ -26,8 +25,7 @@ class SolidChanges:
     changed: float = 0.0
     gaps: int = 0
     seams: int = 0
-    dropped_components: int = 0
-    dropped_volume: float = 0.0
+    dropped: tuple[float, ...] = ()
     cavities: int = 0
 
 

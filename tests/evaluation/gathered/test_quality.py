@@ -68,6 +68,8 @@ def test_modes_stand_side_by_side(sampled, quality):
     assert float(paper["valid"]) == pytest.approx(2 / 3)
     assert (paper["inverted_tets"], float(paper["inverted_share"])) == ("1", 1 / 5)
     assert (float(paper["min_dihedral"]), paper["self_intersections"]) == (0.5, "4")
+    assert ours["radius_ratios"] == paper["radius_ratios"] == RECORD["radius_ratios"].replace("1", "3")
+    assert float(ours["min_radius_ratio"]) == pytest.approx(RECORD["min_radius_ratio"])
     assert [paper[name] for name in ("changed_median", "dropped_components", "volume_ratio")] == [""] * 3
     assert (float(ours["valid"]), ours["inverted_tets"], ours["dropped_components"]) == (1.0, "0", "2")
     assert float(ours["changed_median"]) == pytest.approx(0.2)

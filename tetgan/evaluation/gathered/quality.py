@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from jaxtyping import Int
 
 from tetgan.errors import UserError
 from tetgan.evaluation.markdown import markdown_table, page, plain, round_value, row_name, write_twins
@@ -23,6 +24,8 @@ FIGURES = (
     "inverted_share",
     "min_dihedral",
     "p1_dihedral",
+    "min_radius_ratio",
+    "radius_ratios",
     "manifold_edges",
     "manifold_edges_paper",
     "nonmanifold_edges",
@@ -37,12 +40,13 @@ FIGURES = (
 )
 
 _COUNTS = ("tets", "seeds", "n", "empty", *SUMS, "dropped_components")
-_NEEDED = {"id", "set", "valid", "p1_dihedral", "changed", "dropped_components", *SUMS}
+_NEEDED = {"id", "set", "valid", "p1_dihedral", "radius_ratios", "changed", "dropped_components", *SUMS}
 _TITLES = {
     "valid": "Valid ↑",
     "inverted_tets": "Inverted tets ↓",
     "min_dihedral": "Least angle ↑",
     "p1_dihedral": "1 % of angles ↑",
+    "min_radius_ratio": "Least radius ratio ↑",
     "manifold_edges": "Manifold edges ↑",
     "nonmanifold_edges": "Edges amiss ↓",
     "nonmanifold_vertices": "Vertices amiss ↓",
@@ -190,6 +194,8 @@ def _figures(solids: pd.DataFrame, mode: str) -> dict[str, Any]:
         "inverted_share": float(solids["inverted_tets"].sum() / solids["tets"].sum()),
         "min_dihedral": float(solids["min_dihedral"].min()),
         "p1_dihedral": float(solids["p1_dihedral"].mean()),
+        "min_radius_ratio": float(solids["min_radius_ratio"].min()),
+        "radius_ratios": " ".join(map(str, _histogram(solids["radius_ratios"]))),
         "manifold_edges": float(solids["manifold_edges"].mean()),
         "components": float(solids["components"].mean()),
     }
@@ -200,6 +206,11 @@ def _figures(solids: pd.DataFrame, mode: str) -> dict[str, Any]:
         "changed_median": float(solids["changed"].median()),
         "changed_p95": float(solids["changed"].quantile(0.95)),
     }
+
+
+def _histogram(counts: pd.Series) -> Int[np.ndarray, "B"]:
+    """Sum of histograms, each as numbers with blanks between."""
+    return np.sum([np.array(each.split(), dtype=np.int64) for each in counts], axis=0)
 
 
 def _volume_ratio(
