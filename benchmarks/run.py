@@ -25,7 +25,7 @@ from tetgan.files import whole_file
 
 HERE = Path(__file__).parent
 MODULES = ("start", "grids", "fields", "simplification", "metrics", "sizes")
-MODULES += ("conv", "step", "memory", "solids", "simulation")
+MODULES += ("conv", "step", "memory", "streaming", "solids", "simulation")
 
 log = logging.getLogger("benchmarks")
 
