@@ -31,8 +31,8 @@ paper: setup  ## Every table and figure that a config holds: make paper CONFIG=c
 smoke: setup  ## The same line on tiny data, in minutes, under results/smoke/
 	$(BIN)/snakemake --cores $(CORES) --configfile=config/smoke.yaml results/smoke/tables/chair.csv
 
-report: setup  ## Every table and figure on one page that opens offline: results/report.html
-	$(BIN)/snakemake --cores $(CORES) results/report.html
+report: setup  ## What was made on one page that opens offline, report.html under results/: make report CONFIG=…
+	$(BIN)/snakemake --cores $(CORES) $(if $(CONFIG),--configfile=$(CONFIG)) report_page
 
 test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 	OMP_NUM_THREADS=1 $(BIN)/python -m pytest -n $(CORES) --no-loadscope-reorder $(if $(PYTEST),$(PYTEST),-m "not slow")

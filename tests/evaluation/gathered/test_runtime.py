@@ -50,6 +50,22 @@ def runtime(tmp_path, results, paper, write, read):
     return make
 
 
+def test_studies_stand_where_they_were_measured(runtime, report):
+    files = {
+        "simulate_samples/chair/tetgan-LR/0/paper": benchmark(30),
+        "find_nearest_real/chair": benchmark(4),
+        "measure_resolution": benchmark(5),
+    }
+    table, _ = runtime([report("chair", "tetgan-LR"), report("chair", "tetgan-HR")], files)
+    assert table.loc[("simulate_samples", "tetgan-LR"), ["jobs", "seconds", "seconds_a_shape"]].tolist() == [
+        *("1", "30.0", "")
+    ]
+    stages = set(table["stage"])
+    assert ("simulate_samples", "tetgan-HR") not in table.index
+    assert {"find_nearest_real", "measure_resolution"} <= stages
+    assert not {"add_parts", "interpolate_shapes", "measure_smoothing", "find_nearest"} & stages
+
+
 def test_shards_are_summed_and_divided_by_the_shapes(runtime, report):
     files = {
         "repair_shapes/chair/1-of-2": benchmark(6, rss=300, cpu=4),

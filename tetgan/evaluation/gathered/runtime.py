@@ -29,6 +29,17 @@ BENCHMARKS = (
 )
 """Where each rule has its benchmark files, below their folder and without `.tsv`; a new stage adds a line."""
 
+STUDIES = (
+    "interpolate_shapes/{category}/{model}/{seed}",
+    "add_parts/{category}/{model}/{seed}",
+    "find_nearest/{category}/{model}/{seed}/{mode}",
+    "find_nearest_real/{category}",
+    "measure_smoothing/{category}/{model}/{seed}",
+    "simulate_samples/{category}/{model}/{seed}/{mode}",
+    "measure_resolution",
+)
+"""The same of figures and studies, which some models have: rows where something was measured."""
+
 COLUMNS = (
     "stage",
     "category",
@@ -59,6 +70,7 @@ _NOTES = [
     "preprocess is repair_shapes and extract_fields together. A sampled or evaluated shape is a generated or "
     "a reconstructed one, each with and without smoothing.",
     "Memory is the resident set at its largest in any job of the row; memory of a GPU is not in it.",
+    "Figures and studies stand here where they had run before this table was made.",
     "—: no benchmark file, because the stage ran before it had one or elsewhere.",
     "The paper's figures are as printed: its shapes, sizes and machines.",
 ]
@@ -127,6 +139,10 @@ def build_runtime(
         for place in BENCHMARKS
         for members in _groups(place, jobs)
     ]
+    studies = [
+        _row(place, members, {}, benchmarks, shards) for place in STUDIES for members in _groups(place, jobs)
+    ]
+    rows += [row | {"shapes": None, "seconds_a_shape": None} for row in studies if row["jobs_measured"]]
     for row in rows:
         row["paper"] = _printed(row, paper)
     rows += _preprocessing(rows, paper)
