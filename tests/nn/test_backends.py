@@ -84,10 +84,8 @@ def test_a_tile_is_smaller_than_the_channels(few):
     torch.testing.assert_close(got.cpu(), wanted, rtol=1e-4, atol=1e-4)
 
 
-@needs_triton
+@pytest.mark.parametrize("backend", BACKENDS[1:], indirect=True)
 def test_gradient_of_the_weights_from_several_ranges_of_rows(neighbors, backend):
-    if backend != "triton":
-        pytest.skip("how Triton's kernel divides its rows")
     device, maps = on_device(backend), TetNeighbors(neighbors)
     x, grad = draw(0, len(neighbors), 11, 2).detach(), draw(1, len(neighbors), 11, 3).detach()
     kernels = choice.kernels(backend)
@@ -303,6 +301,16 @@ def test_an_unknown_backend_is_named():
         pass
 
 
+def chosen_three_times(caplog) -> set[str]:
+    """What a GPU gets, asked anew, with what is said in the log."""
+    triton_works.cache_clear()
+    try:
+        with caplog.at_level(logging.WARNING):
+            return {backend_for(torch.device("cuda"), torch.float32) for _ in range(3)}
+    finally:
+        triton_works.cache_clear()
+
+
 class NoCompiler:
     """A backend whose kernels cannot be built."""
 
@@ -313,13 +321,7 @@ class NoCompiler:
 
 def test_kernels_that_cannot_be_built_are_told_in_a_line(monkeypatch, caplog):
     monkeypatch.setattr(choice, "kernels", lambda _: NoCompiler)
-    triton_works.cache_clear()
-    try:
-        with caplog.at_level(logging.WARNING):
-            chosen = {backend_for(torch.device("cuda"), torch.float32) for _ in range(3)}
-    finally:
-        triton_works.cache_clear()
-    assert chosen == {"cpu"}
+    assert chosen_three_times(caplog) == {"cpu"}
     (line,) = (record.getMessage() for record in caplog.records)
     assert "(gcc: not found)" in line and "trace" not in line
 
@@ -327,12 +329,6 @@ def test_kernels_that_cannot_be_built_are_told_in_a_line(monkeypatch, caplog):
 def test_without_triton_a_gpu_falls_back_and_says_so_once(monkeypatch, caplog):
     monkeypatch.setitem(sys.modules, "triton", None)
     monkeypatch.delitem(sys.modules, "tetgan.nn.backends.triton", raising=False)
-    triton_works.cache_clear()
-    try:
-        with caplog.at_level(logging.WARNING):
-            chosen = {backend_for(torch.device("cuda"), torch.float32) for _ in range(3)}
-    finally:
-        triton_works.cache_clear()
-    assert chosen == {"cpu"}
+    assert chosen_three_times(caplog) == {"cpu"}
     assert len(caplog.records) == 1
     assert "Triton does not work here" in caplog.text
