@@ -59,6 +59,14 @@ def test_the_cluster_profile_gives_a_gpu_to_every_rule_that_trains():
     assert {name for name in rule_names() if name.startswith("train_")} <= given
 
 
+@pytest.mark.parametrize("granted", [0, 4])
+def test_every_gpu_granted_is_a_process_of_the_training(untouched, granted):
+    weights = "results/smoke/models/chair/tetgan-LR/0/weights.safetensors"
+    result = untouched.smoke("-n", "-p", weights, "--set-resources", f"train_model:gpu={granted}")
+    assert planned(result)["train_model"] == 1
+    assert f" --processes {granted} " in result.stdout
+
+
 @pytest.mark.parametrize("path", PROFILES, ids=lambda path: path.parent.name)
 def test_a_profile_plans_the_smoke_run(path, untouched, tmp_path):
     # Without its executor, which is a plugin that need not be installed here.

@@ -1,6 +1,7 @@
 """Intervals by resampling: how far a figure could have moved with other shapes of the same kind."""
 
-from typing import NamedTuple
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -27,11 +28,26 @@ def resample_counts(size: int, resamples: int, rng: np.random.Generator) -> Floa
 def bootstrap_mean(
     values: Float[np.ndarray, "N"], resamples: int, level: float, rng: np.random.Generator
 ) -> Interval:
-    """Percentile bootstrap of a mean (Efron and Tibshirani 1993, chapter 13)."""
+    """Percentile bootstrap of a mean."""
+    return bootstrap(values, np.mean, resamples, level, rng)
+
+
+def bootstrap(
+    values: Float[np.ndarray, "N"],
+    statistic: Callable[..., Any],
+    resamples: int,
+    level: float,
+    rng: np.random.Generator,
+) -> Interval:
+    """Percentile bootstrap of a statistic (Efron and Tibshirani 1993, chapter 13).
+
+    Args:
+        statistic: as `np.mean` takes an array and an `axis`.
+    """
     if len(values) < 2:
         return Interval(np.nan, np.nan)
-    means = values[resample_indices(len(values), resamples, rng)].mean(1)
-    return percentile_interval(means, level)
+    drawn = values[resample_indices(len(values), resamples, rng)]
+    return percentile_interval(statistic(drawn, axis=1), level)
 
 
 def percentile_interval(values: Float[np.ndarray, "R"], level: float) -> Interval:

@@ -77,7 +77,33 @@ def test_modes_stand_side_by_side(sampled, quality):
     assert float(ours["volume_ratio"]) == pytest.approx(1.0)  # the median of 0.9, 1.1 and 1
     assert set(table["manifold_edges_paper"]) == {"98.5%"}
     assert "| tetgan-LR, solid, no wLS" in text
-    assert "1 (20 %)" in text and "100 % (paper 98.5%)" in text
+    assert "1 (20 %)" in text and "100 % [100, 100] (paper 98.5%)" in text
+
+
+def test_intervals_hold_what_they_are_of_and_narrow_with_more_meshes(sampled, quality):
+    rng = np.random.default_rng(0)
+    rows = [
+        {"valid": bool(good), "volume": 1 + spread, "changed": spread}
+        for good, spread in zip(rng.random(400) < 0.5, rng.random(400), strict=True)
+    ]
+    faithful = [{"volume": 1.0}] * 400
+    table, text = quality(
+        sampled("chair", "few", 0, "paper", none={"generated": faithful[:16]}),
+        sampled("chair", "few", 0, "solid", none={"generated": rows[:16]}),
+        sampled("chair", "many", 0, "paper", none={"generated": faithful}),
+        sampled("chair", "many", 0, "solid", none={"generated": rows}),
+    )
+    few, many = (row for _, row in table[table["mode"] == "solid"].iterrows())
+    for name in ("valid", "changed_median", "changed_p95", "volume_ratio"):
+        low, value, high = (float(many[name + part]) for part in ("_low", "", "_high"))
+        assert low <= value <= high
+        assert high - low < (float(few[f"{name}_high"]) - float(few[f"{name}_low"])) / 2
+    share = float(many["valid"])
+    half = 1.96 * np.sqrt(share * (1 - share) / 400)  # the normal interval of a share
+    assert float(many["valid_high"]) - share == pytest.approx(half, rel=0.2)
+    assert f"| {100 * share:.3g} % [" in text
+    faithful_row = table[table["mode"] == "paper"].iloc[0]
+    assert faithful_row["volume_ratio_low"] == faithful_row["changed_median_high"] == ""
 
 
 def test_shapes_smoothings_and_seeds(sampled, quality):

@@ -1,42 +1,58 @@
 """Stage: how many meshes are valid solids, and what that takes, both modes side by side."""
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
-from jaxtyping import Int
+from jaxtyping import Float, Int
 
 from tetgan.errors import UserError
+from tetgan.evaluation.intervals import bootstrap
 from tetgan.evaluation.markdown import markdown_table, page, plain, round_value, row_name, write_twins
+from tetgan.evaluation.options import BootstrapOptions
 from tetgan.evaluation.paper import read_paper, stated
 from tetgan.evaluation.samples import KINDS, SampleFolder
+from tetgan.evaluation.seeds import named_rng
 
 IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
 SUMS = ("inverted_tets", "nonmanifold_edges", "nonmanifold_vertices", "self_intersections", "cavities")
+_MEAN: Callable[..., Any] = np.mean
+_MEDIAN: Callable[..., Any] = np.median
+_STATISTICS = {
+    "valid": ("valid", _MEAN),
+    "p1_dihedral": ("p1_dihedral", _MEAN),
+    "manifold_edges": ("manifold_edges", _MEAN),
+    "components": ("components", _MEAN),
+}
+_SOLID_STATISTICS = {
+    "changed_median": ("changed", _MEDIAN),
+    "changed_p95": ("changed", partial(np.quantile, q=0.95)),
+}
+# Figure to the column of certificates that it sums up over meshes, and how.
+
 FIGURES = (
-    "valid",
+    *("valid", "valid_low", "valid_high"),
     "inverted_tets",
     "inverted_share",
     "min_dihedral",
-    "p1_dihedral",
+    *("p1_dihedral", "p1_dihedral_low", "p1_dihedral_high"),
     "min_radius_ratio",
     "radius_ratios",
-    "manifold_edges",
-    "manifold_edges_paper",
+    *("manifold_edges", "manifold_edges_low", "manifold_edges_high", "manifold_edges_paper"),
     "nonmanifold_edges",
     "nonmanifold_vertices",
     "self_intersections",
-    "components",
+    *("components", "components_low", "components_high"),
     "cavities",
     "dropped_components",
-    "changed_median",
-    "changed_p95",
-    "volume_ratio",
+    *("changed_median", "changed_median_low", "changed_median_high"),
+    *("changed_p95", "changed_p95_low", "changed_p95_high"),
+    *("volume_ratio", "volume_ratio_low", "volume_ratio_high"),
 )
 
 _COUNTS = ("tets", "seeds", "n", "empty", *SUMS, "dropped_components")
@@ -70,6 +86,7 @@ _NOTES = [
     "paper: median over meshes of the volume beside that of mode `paper`.",
     "The paper states manifold edges of its ground-truth chairs and of generated ones (in parentheses), and "
     "names neither grid nor smoothing.",
+    "[…]: bootstrap intervals of 95 % over meshes.",
 ]
 
 
@@ -171,7 +188,7 @@ def _row(
         "empty": len(meshes) - len(solids),
         "manifold_edges_paper": stated(paper, category, known[shapes], "manifold_edges") if own else None,
         **(_figures(solids, mode) if len(solids) else {}),
-        "volume_ratio": _volume_ratio(members, samples, smoothing, kind),
+        **_estimate("volume_ratio", _volume_ratios(members, samples, smoothing, kind), _MEDIAN),
     }
 
 
@@ -189,23 +206,30 @@ def _shapes(model: str, kind: str) -> str:
 
 def _figures(solids: pd.DataFrame, mode: str) -> dict[str, Any]:
     """Figures of meshes that have tets; what is done in mode `solid` alone is empty in the other."""
-    figures = {name: int(solids[name].sum()) for name in SUMS} | {
-        "valid": float(solids["valid"].astype(float).mean()),
+    figures: dict[str, Any] = {name: int(solids[name].sum()) for name in SUMS} | {
         "inverted_share": float(solids["inverted_tets"].sum() / solids["tets"].sum()),
         "min_dihedral": float(solids["min_dihedral"].min()),
-        "p1_dihedral": float(solids["p1_dihedral"].mean()),
         "min_radius_ratio": float(solids["min_radius_ratio"].min()),
         "radius_ratios": " ".join(map(str, _histogram(solids["radius_ratios"]))),
-        "manifold_edges": float(solids["manifold_edges"].mean()),
-        "components": float(solids["components"].mean()),
     }
-    if mode != "solid":
-        return figures
-    return figures | {
-        "dropped_components": int(solids["dropped_components"].sum()),
-        "changed_median": float(solids["changed"].median()),
-        "changed_p95": float(solids["changed"].quantile(0.95)),
-    }
+    statistics = _STATISTICS
+    if mode == "solid":
+        figures["dropped_components"] = int(solids["dropped_components"].sum())
+        statistics = _STATISTICS | _SOLID_STATISTICS
+    for name, (column, statistic) in statistics.items():
+        figures |= _estimate(name, solids[column].to_numpy(np.float64), statistic)
+    return figures
+
+
+def _estimate(
+    name: str, values: Float[np.ndarray, "N"], statistic: Callable[..., Any]
+) -> dict[str, float | None]:
+    """The statistic over meshes, and its bootstrap interval; empty of no meshes."""
+    if len(values) == 0:
+        return {}
+    options = BootstrapOptions()
+    interval = bootstrap(values, statistic, options.resamples, options.level, named_rng(0, "quality", name))
+    return {name: float(statistic(values)), f"{name}_low": interval.low, f"{name}_high": interval.high}
 
 
 def _histogram(counts: pd.Series) -> Int[np.ndarray, "B"]:
@@ -213,12 +237,12 @@ def _histogram(counts: pd.Series) -> Int[np.ndarray, "B"]:
     return np.sum([np.array(each.split(), dtype=np.int64) for each in counts], axis=0)
 
 
-def _volume_ratio(
+def _volume_ratios(
     members: Sequence[_Samples], samples: Sequence[_Samples], smoothing: str, kind: str
-) -> float | None:
-    """Median volume of solids over that of the same fields meshed as the paper does."""
+) -> Float[np.ndarray, "N"]:
+    """Volume of each solid over that of the same field meshed as the paper does; none in mode `paper`."""
     by_place = {one.place: one for one in samples}
-    ratios = []
+    ratios: list[float] = []
     for member in members:
         category, model, seed, mode = member.place
         faithful = by_place.get((category, model, seed, "paper"))
@@ -227,7 +251,7 @@ def _volume_ratio(
         own, theirs = (_meshes(one, smoothing, kind) for one in (member, faithful))
         volumes = own.loc[own["tets"] > 0, "volume"], theirs.loc[theirs["volume"] > 0, "volume"]
         ratios += volumes[0].div(volumes[1]).dropna().tolist()  # by id
-    return float(np.median(ratios)) if ratios else None
+    return np.array(ratios)
 
 
 def _render(table: pd.DataFrame) -> str:
@@ -248,6 +272,14 @@ def _cell(row: pd.Series, figure: str) -> str:
     if pd.isna(value):
         return f"—{paper}"
     if figure in _SHARES:
-        return f"{round_value(100 * value)} %{paper}"
+        return f"{round_value(100 * value)} %{_interval(row, figure, 100)}{paper}"
     share = f" ({round_value(100 * row['inverted_share'])} %)" if figure == "inverted_tets" and value else ""
-    return f"{int(value) if figure in _COUNTS else round_value(value)}{share}{paper}"
+    shown = int(value) if figure in _COUNTS else round_value(value)
+    return f"{shown}{share}{_interval(row, figure)}{paper}"
+
+
+def _interval(row: pd.Series, figure: str, scale: int = 1) -> str:
+    low, high = row.get(f"{figure}_low"), row.get(f"{figure}_high")
+    if pd.isna(low):
+        return ""
+    return f" [{round_value(scale * low)}, {round_value(scale * high)}]"
