@@ -134,7 +134,7 @@ def test_half_precision_of_every_backend(few, backend):
 def test_every_order_of_gathering_and_multiplying(neighbors, monkeypatch, method, widths, side):
     batch, out = widths
     monkeypatch.setattr(cpu, "choose_method", lambda *_: method)
-    monkeypatch.setattr(cpu, "chunk_size", lambda _: 80)  # 192 tets: the last chunk is not full
+    monkeypatch.setattr(cpu, "chunk_size", lambda *_: 80)  # 192 tets: the last chunk is not full
     shapes = (len(neighbors), batch, 6), (SLOTS, 6, out), (out,)
     x, weight, bias = (draw(s, *shape, dtype=torch.float64).detach() for s, shape in enumerate(shapes))
     wanted = sum(shift(neighbors, slot, side) @ (x @ weight[slot]).flatten(1) for slot in range(SLOTS))
@@ -148,7 +148,7 @@ def test_every_order_of_gathering_and_multiplying(neighbors, monkeypatch, method
 @pytest.mark.parametrize("other", [3, 9, 40])
 def test_both_products_of_the_same_rows(neighbors, monkeypatch, method, other):
     monkeypatch.setattr(cpu, "choose_method", lambda *_: method)
-    monkeypatch.setattr(cpu, "chunk_size", lambda _: 80)
+    monkeypatch.setattr(cpu, "chunk_size", lambda *_: 80)
     shapes = (len(neighbors), 2, 6), (SLOTS, 6, 4), (len(neighbors), 2, other)
     x, weight, z = (draw(s, *shape, dtype=torch.float64).detach() for s, shape in enumerate(shapes))
     maps = TetNeighbors(neighbors)
@@ -174,9 +174,10 @@ def test_memory_for_products_is_used_again_and_never_handed_out(neighbors, monke
 
 @pytest.mark.parametrize("rows", [1, 7, 64, 96])
 def test_bias_of_any_number_of_rows(rows):
-    y, bias = torch.empty(rows, 1, 3), draw(1, 3).detach()
-    cpu._fill_rows(y, bias)
-    assert torch.equal(y, bias.expand(rows, 1, 3))
+    y, bias = draw(0, rows, 3).detach(), draw(1, 3).detach()
+    wanted = y + bias
+    cpu._add_to_rows(y, bias)
+    assert torch.equal(y, wanted)
 
 
 @pytest.mark.parametrize("method", cpu._METHODS)
@@ -221,7 +222,7 @@ def test_tables_of_few_batches_are_kept(few, monkeypatch):
 @pytest.mark.parametrize("shape", [(1, 3, 4), (1, 4, 3), (3, 3, 4), (3, 4, 3)])
 def test_gradient_of_the_weights_by_chunks(neighbors, monkeypatch, shape, side):
     batch, channels, out = shape
-    monkeypatch.setattr(cpu, "chunk_size", lambda _: 80)
+    monkeypatch.setattr(cpu, "chunk_size", lambda *_: 80)
     x = draw(0, len(neighbors), batch, channels, dtype=torch.float64).detach()
     grad = draw(1, len(neighbors), batch, out, dtype=torch.float64).detach()
     wanted = [
@@ -278,6 +279,12 @@ def test_chunks_are_powers_of_two_and_not_too_small():
     assert all(size & (size - 1) == 0 for size in sizes)
     assert sizes == sorted(sizes, reverse=True)
     assert sizes[-1] == 64
+
+
+def test_what_a_chunk_meets_makes_it_smaller():
+    thin, wide = torch.empty(1, 1, 4), torch.empty(1, 1, 64)
+    assert plan.chunk_size(thin, thin) > plan.chunk_size(thin, wide) > plan.chunk_size(thin, wide, wide)
+    assert plan.chunk_size(thin.to("meta"), wide.to("meta")) == 1  # off the CPU: all tets
 
 
 def test_the_device_chooses_and_a_caller_can_force(monkeypatch):

@@ -21,16 +21,14 @@ from tetgan.evaluation.seeds import named_rng
 
 IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
 SUMS = ("inverted_tets", "nonmanifold_edges", "nonmanifold_vertices", "self_intersections", "cavities")
-_MEAN: Callable[..., Any] = np.mean
-_MEDIAN: Callable[..., Any] = np.median
-_STATISTICS = {
-    "valid": ("valid", _MEAN),
-    "p1_dihedral": ("p1_dihedral", _MEAN),
-    "manifold_edges": ("manifold_edges", _MEAN),
-    "components": ("components", _MEAN),
+_STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
+    "valid": ("valid", np.mean),
+    "p1_dihedral": ("p1_dihedral", np.mean),
+    "manifold_edges": ("manifold_edges", np.mean),
+    "components": ("components", np.mean),
 }
-_SOLID_STATISTICS = {
-    "changed_median": ("changed", _MEDIAN),
+_SOLID_STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
+    "changed_median": ("changed", np.median),
     "changed_p95": ("changed", partial(np.quantile, q=0.95)),
 }
 # Figure to the column of certificates that it sums up over meshes, and how.
@@ -188,7 +186,7 @@ def _row(
         "empty": len(meshes) - len(solids),
         "manifold_edges_paper": stated(paper, category, known[shapes], "manifold_edges") if own else None,
         **(_figures(solids, mode) if len(solids) else {}),
-        **_estimate("volume_ratio", _volume_ratios(members, samples, smoothing, kind), _MEDIAN),
+        **_estimate("volume_ratio", _volume_ratios(members, samples, smoothing, kind), np.median),
     }
 
 
@@ -279,7 +277,7 @@ def _cell(row: pd.Series, figure: str) -> str:
 
 
 def _interval(row: pd.Series, figure: str, scale: int = 1) -> str:
-    low, high = row.get(f"{figure}_low"), row.get(f"{figure}_high")
-    if pd.isna(low):
+    low, high = row.get(f"{figure}_low", np.nan), row.get(f"{figure}_high", np.nan)
+    if np.isnan(low):
         return ""
     return f" [{round_value(scale * low)}, {round_value(scale * high)}]"

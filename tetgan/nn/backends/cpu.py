@@ -65,15 +65,12 @@ def conv_and_weight_gradient(
 def _multiply_columns(
     x: Tensor, weight: Tensor, bias: Tensor | None, neighbors: TetNeighbors, side: Side
 ) -> Tensor:
-    """Five rows side by side, then one product, added to the bias where there is one."""
+    """Five rows side by side, then one product; the bias is added while its results are in the cache."""
     y, matrix = x.new_empty(*x.shape[:2], weight.shape[2]), weight.flatten(0, 1)
-    if bias is not None:
-        _fill_rows(y, bias)
     for columns, out in _columns(x, neighbors, side, y):
-        if bias is None:
-            torch.mm(columns, matrix, out=out)
-        else:
-            out.addmm_(columns, matrix)
+        torch.mm(columns, matrix, out=out)
+        if bias is not None:
+            _add_to_rows(out, bias)
     return y
 
 
@@ -116,16 +113,16 @@ def _scratch(x: Tensor, rows: int, columns: int) -> Tensor:
     return _kept.block[:size].view(x.dtype).view(rows, columns)
 
 
-def _fill_rows(y: Tensor, bias: Tensor) -> None:
-    """The bias in every row, many rows at a time: a loop over a few channels costs more than the bytes."""
-    rows = gcd(y.shape[0] * y.shape[1], _BIAS_ROWS)
-    y.view(-1, rows * y.shape[2]).copy_(bias.repeat(rows))
+def _add_to_rows(y: Float[Tensor, "N D"], bias: Float[Tensor, "D"]) -> None:
+    """The bias to every row, many rows at a time: a loop over a few channels costs more than the bytes."""
+    rows = gcd(len(y), _BIAS_ROWS)
+    y.view(-1, rows * len(bias)).add_(bias.repeat(rows))
 
 
 def _columns(x: Tensor, neighbors: TetNeighbors, side: Side, *along: Tensor) -> Iterator[tuple[Tensor, ...]]:
     """Chunks of tets: five rows of each tet and shape side by side, (n·B, 5 C), and its row of `along`."""
     _, batch, channels = x.shape
-    rows, size = x.view(-1, channels), chunk_size(x)
+    rows, size = x.view(-1, channels), chunk_size(x, *along)
     parts = [tensor.flatten(0, 1).split(size * batch) for tensor in along]
     for chunk, *beside in zip(neighbors.gathers(side, batch).chunks(size), *parts, strict=True):
         yield _sum_rows(rows, chunk.bags()).view(-1, SLOTS * channels), *beside

@@ -8,24 +8,29 @@ from functools import cache
 from typing import Literal
 
 import torch
+from jaxtyping import Float
 from torch import Tensor
 
 from tetgan.nn.neighbors import SLOTS
 
 Method = Literal["columns", "first"]
 
-CHUNK_BYTES = 5 << 17  # gathered rows of a chunk, a thread: they share a core's own cache with what they meet
+CHUNK_BYTES = 1 << 20  # of a chunk, a thread: gathered rows and what they meet, in a core's own cache
 TABLE_BYTES = 96 << 20  # of products, kept from one convolution to the next
 _FEWEST = 64  # tets in a chunk; fewer would be all overhead
 _NUMBER = 4  # bytes
 _LANES = 16  # numbers of a vector register
 
 
-def chunk_size(x: Tensor) -> int:
-    """Tets to take at a time, a power of two; all of them off the CPU."""
+def chunk_size(x: Float[Tensor, "T B C"], *along: Float[Tensor, "T B _"]) -> int:
+    """Tets to take at a time when five rows of `x` meet one of each of the others; all of them off the CPU.
+
+    A power of two.
+    """
     if x.device.type != "cpu":
         return max(len(x), 1)
-    fit = CHUNK_BYTES * torch.get_num_threads() // (SLOTS * x[0].numel() * x.element_size())
+    a_tet = SLOTS * x[0].nbytes + sum(each[0].nbytes for each in along)
+    fit = CHUNK_BYTES * torch.get_num_threads() // a_tet
     return 1 << max(fit, _FEWEST).bit_length() - 1
 
 
