@@ -6,7 +6,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.fields.extract import extract_field
+from tetgan.fields.extract import _regions, extract_field
 from tetgan.fields.field import surface_tets
 from tetgan.grids.hierarchy import build_hierarchy
 
@@ -62,6 +62,19 @@ def test_every_tet_agrees_with_brute_force(seed):
     distance = distance_to_mesh(grid.centroids, vertices, faces)
     np.testing.assert_allclose(np.linalg.norm(field.displacement, axis=1), distance, rtol=1e-6, atol=1e-7)
     assert distance_to_mesh(grid.centroids + field.displacement, vertices, faces).max() < 1e-6
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_surface_passes_through_no_region(seed):
+    grid = build_hierarchy(2, 2).finest
+    vertices, faces = closed_soup(seed)
+    distances = np.linalg.norm(extract_field(vertices, faces, grid).displacement, axis=1)
+    asked, region = _regions(distances, grid)
+    np.testing.assert_array_equal(region[asked], np.arange(len(asked)))
+    assert (distances <= distances[asked][region]).all()
+    inside = winding_number(grid.centroids, vertices, faces) > 0.5
+    np.testing.assert_array_equal(inside, inside[asked][region])
+    assert len(asked) < len(grid.tets) / 4
 
 
 def test_a_ball_has_a_closed_form(grid, ball):

@@ -3,6 +3,7 @@
 import igl
 import numpy as np
 from jaxtyping import Float, Int
+from scipy import sparse
 
 from tetgan.fields.field import Field
 from tetgan.grids.grid import TetGrid
@@ -23,6 +24,27 @@ def extract_field(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
     if len(faces) == 0:
         raise ValueError("a mesh without faces has no field")
     vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int64)
-    winding = igl.fast_winding_number(vertices, faces, grid.centroids)
-    _, _, closest = igl.point_mesh_squared_distance(grid.centroids, vertices, faces)
-    return Field(winding > 0.5, (closest - grid.centroids).astype(np.float32))
+    squared, _, closest = igl.point_mesh_squared_distance(grid.centroids, vertices, faces)
+    asked, region = _regions(np.sqrt(squared), grid)
+    winding = igl.fast_winding_number(vertices, faces, grid.centroids[asked])
+    return Field((winding > 0.5)[region], (closest - grid.centroids).astype(np.float32))
+
+
+def _regions(
+    distances: Float[np.ndarray, "T"], grid: TetGrid
+) -> tuple[Int[np.ndarray, "R"], Int[np.ndarray, "T"]]:
+    """Sets of tets on one side of a surface: the tet of each that is furthest from it, and each tet's set.
+
+    Neighbours are on one side where the distance between their centroids is less than that of one of them to
+    the surface: the segment lies in a ball that the surface does not enter.
+    """
+    tets, slots = np.nonzero(grid.neighbors > np.arange(len(grid.tets))[:, None])
+    others = grid.neighbors[tets, slots]
+    apart = np.linalg.norm(grid.centroids[tets] - grid.centroids[others], axis=1)
+    joined = apart < np.maximum(distances[tets], distances[others])
+    links = sparse.coo_array((joined[joined], (tets[joined], others[joined])), shape=2 * (len(grid.tets),))
+    count, region = sparse.csgraph.connected_components(links, directed=False)
+    furthest = np.empty(count, dtype=np.int64)
+    order = np.argsort(distances)
+    furthest[region[order]] = order  # of several writes to one place the last one stays
+    return furthest, region
