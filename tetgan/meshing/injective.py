@@ -8,7 +8,7 @@ from scipy import sparse
 
 from tetgan.grids.adjacency import unique_edges
 from tetgan.meshing.ambient import Ambient
-from tetgan.meshing.shapes import tet_shapes
+from tetgan.meshing.shapes import six_volumes, tet_shapes
 
 _HALVINGS = 4  # a step is cut down to 1/16, then given up for the round
 _RELAXATION = 0.7  # of the way to the mean of the neighbours, each time
@@ -21,7 +21,7 @@ class _Band(NamedTuple):
 
     Attributes:
         corners: (4, N) vertices of its tets; volume: (N,) six times the least volume of each.
-        solid: rows of the occupied ones; cosine: of the least dihedral angle of each of these.
+        solid: whether each is occupied; cosine: of the least dihedral angle, which binds the occupied ones.
         used: (M,) its vertices in the ambient space.
         boundary, free: (M,) its vertices on the boundary, and the others that may move.
         averaging: (M, M) takes each free vertex to the mean of those it shares an edge with.
@@ -90,7 +90,7 @@ def _band(
         corners=corners,
         volume=_LEAST_VOLUME * own.volume,
         solid=solid,
-        cosine=np.where(solid, np.maximum(bound, own.cosine), 1.0),
+        cosine=np.maximum(bound, own.cosine),
         used=used,
         boundary=on_boundary,
         free=movable[used] & ~on_boundary,
@@ -127,9 +127,14 @@ def _step(
 def _within_bounds(
     here: Float[np.ndarray, "3 M"], band: _Band, rows: Int[np.ndarray, "R"]
 ) -> Bool[np.ndarray, "R"]:
-    shapes = tet_shapes(_points(here, band.corners[:, rows]))
-    return (shapes.volume >= band.volume[rows]) & (shapes.cosine <= band.cosine[rows])
+    within = np.empty(len(rows), dtype=bool)
+    solid = band.solid[rows]
+    full, empty = rows[solid], rows[~solid]
+    shapes = tet_shapes(_points(here, band.corners[:, full]))
+    within[solid] = (shapes.volume >= band.volume[full]) & (shapes.cosine <= band.cosine[full])
+    within[~solid] = six_volumes(_points(here, band.corners[:, empty])) >= band.volume[empty]
+    return within
 
 
 def _points(here: Float[np.ndarray, "3 M"], corners: Int[np.ndarray, "4 N"]) -> Float[np.ndarray, "4 3 N"]:
-    return np.stack([here[:, corner] for corner in corners])
+    return here.take(corners, axis=1).swapaxes(0, 1)

@@ -17,17 +17,32 @@ def tet_shapes(points: Float[np.ndarray, "4 3 *N"]) -> TetShapes:
     """Of tets whose corners are given, coordinate by coordinate: much the fastest layout."""
     a, b, c = points[1:] - points[:1]
     one, two, three = _cross(b, c), _cross(c, a), _cross(a, b)
-    normals = np.stack([-(one + two + three), one, two, three])  # inward, as long as twice the face's area
-    normals /= np.sqrt(np.maximum((normals**2).sum(axis=1, keepdims=True), np.finfo(float).tiny))
+    normals = (-(one + two + three), one, two, three)  # inward, as long as twice the face's area
+    lengths = [np.sqrt(np.maximum(_dot(normal, normal), np.finfo(float).tiny)) for normal in normals]
     cosine = np.full(points.shape[2:], -1.0)
     for i, j in ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)):
-        np.maximum(cosine, -_dot(normals[i], normals[j]), out=cosine)
+        between = _dot(normals[i], normals[j])
+        between /= lengths[i] * lengths[j]
+        np.maximum(cosine, np.negative(between, out=between), out=cosine)
     return TetShapes(_dot(a, one), cosine)
 
 
+def six_volumes(points: Float[np.ndarray, "4 3 *N"]) -> Float[np.ndarray, "*N"]:
+    """The volume of `tet_shapes` alone."""
+    a, b, c = points[1:] - points[:1]
+    return _dot(a, _cross(b, c))
+
+
 def _cross(a: Float[np.ndarray, "3 *N"], b: Float[np.ndarray, "3 *N"]) -> Float[np.ndarray, "3 *N"]:
-    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+    out = np.empty(np.broadcast_shapes(a.shape, b.shape))
+    for i, (j, k) in enumerate(((1, 2), (2, 0), (0, 1))):
+        np.multiply(a[j], b[k], out=out[i])
+        out[i] -= a[k] * b[j]
+    return out
 
 
 def _dot(a: Float[np.ndarray, "3 *N"], b: Float[np.ndarray, "3 *N"]) -> Float[np.ndarray, "*N"]:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    total = a[0] * b[0]
+    total += a[1] * b[1]
+    total += a[2] * b[2]
+    return total
