@@ -79,7 +79,9 @@ def test_help_imports_nothing_heavy():
         (["train", "absent.json", "model", "--model", "{kind: pca, grid: LR}"], ["absent.json"]),
         (["train", "absent.json", "model", "--model", "{kind: occnet}"], ["absent.json"]),
         (["simplify", "absent", "out"], ["absent", "no samples"]),
-        (["sample", "absent", "absent.json", "out"], ["absent"]),
+        (["sample", "absent", "out"], ["absent", "no folder", "chair"]),
+        (["sample", "chair", "out", "--index", "absent.json"], ["absent.json"]),
+        (["pack", "absent", "absent.json", "out"], ["absent.json"]),
         (["interpolate", "absent", "absent.json", "out"], ["absent.json"]),
         (["interpolate", "absent", "absent.json", "out", "--pair", "a"], ["--pair", "'a'", "2 ids"]),
         (["arithmetic", "absent", "absent.json", "out", "--triple", "a:b"], ["--triple", "'a:b'", "3 ids"]),
@@ -88,7 +90,7 @@ def test_help_imports_nothing_heavy():
         (["evaluate", "a", "b", "--out", "report.json", "--options", "{point: 3}"], ["point", "points"]),
         (["simulate", "absent.vtu"], ["error: absent.vtu: no such file"]),
         (["resolution", "resolution.csv", "resolution.png"], ["resolution.csv", "another folder"]),
-        (["sample", "absent", "absent.json", "out", "--mode", "smooth"], ["mode", "'paper'", "smooth"]),
+        (["sample", "chair", "out", "--mode", "smooth"], ["mode", "'paper'", "smooth"]),
     ],
 )
 def test_a_mistake_is_one_line_without_a_traceback(arguments, words, tmp_path, monkeypatch):

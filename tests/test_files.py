@@ -45,11 +45,28 @@ def test_a_folder_replaces_an_older_one_only_when_whole(tmp_path):
     target = tmp_path / "samples"
     target.mkdir()
     (target / "stale").touch()
-    with pytest.raises(RuntimeError), whole_folder(target) as partial:
+    with pytest.raises(RuntimeError), whole_folder(target, "stale") as partial:
         (partial / "half").touch()
         raise RuntimeError
     assert [path.name for path in target.iterdir()] == ["stale"]
-    with whole_folder(target) as partial:
+    with whole_folder(target, "stale") as partial:
         (partial / "new").touch()
     assert [path.name for path in target.iterdir()] == ["new"]
     assert list(tmp_path.iterdir()) == [target]
+
+
+@pytest.mark.parametrize("mark", ["report.json", "*/certificate.csv"])
+def test_a_folder_of_other_things_is_not_replaced(tmp_path, mark):
+    target = tmp_path / "chairs"
+    (target / "none").mkdir(parents=True)
+    (target / "none" / "mine.obj").touch()
+    with (
+        pytest.raises(UserError, match="chairs: holds other things, which would be lost"),
+        whole_folder(target, mark),
+    ):
+        pytest.fail("must not be reached")
+    assert (target / "none" / "mine.obj").exists()
+    (target / mark.replace("*", "none")).touch()
+    with whole_folder(target, mark) as partial:
+        (partial / "new").touch()
+    assert [path.name for path in target.iterdir()] == ["new"]

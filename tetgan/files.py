@@ -41,9 +41,18 @@ def whole_file(path: str | Path) -> Iterator[Path]:
 
 
 @contextmanager
-def whole_folder(path: str | Path) -> Iterator[Path]:
-    """The same for a folder: it replaces an older one only when the block ends without an error."""
+def whole_folder(path: str | Path, mark: str) -> Iterator[Path]:
+    """The same for a folder: it replaces an older one only when the block ends without an error.
+
+    Args:
+        mark: pattern of a file that every such folder holds. A folder without one is somebody's own.
+
+    Raises:
+        UserError: `path` is a folder with other things in it.
+    """
     path = Path(path)
+    if path.is_dir() and any(path.iterdir()) and not any(path.glob(mark)):
+        raise UserError(f"{path}: holds other things, which would be lost; name another folder")
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{os.getpid()}.partial.{path.name}")
     shutil.rmtree(partial, ignore_errors=True)

@@ -195,9 +195,9 @@ def test_the_command_line_trains_samples_and_measures_it(index, tmp_path, monkey
         training,
     )
     monkeypatch.setenv("TETGAN_PLUGINS", NAME)
-    command("sample", "model", index, "samples", "--count", 2)
+    command("sample", "model", "samples", "--index", index, "--count", 2)
     command("train", index, "real", "--model", "{kind: representation, grid: LR}")
-    command("sample", "real", index, "reference", "--count", 2)
+    command("sample", "real", "reference", "--index", index, "--count", 2)
     certificate = rows_of(Path("samples/wls/certificate.csv"))
     assert [row["set"] for row in certificate] == 2 * ["generated"] + 6 * ["reconstructed"]
     few = "{points: 1000, volume_points: 1000, variety: {pairs: 4, closest: 2}}"

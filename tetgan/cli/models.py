@@ -8,6 +8,7 @@ import typer
 from tetgan.cli.app import OptionsText, Seed, Threads, app, read_options, read_plain, use_threads
 
 PANEL = "Models"
+CERTIFICATES = "*/certificate.csv"  # what a folder of samples holds
 
 
 @app.command(rich_help_panel=PANEL)
@@ -64,31 +65,57 @@ def extractor(
 
 @app.command(rich_help_panel=PANEL)
 def sample(
-    model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
-    index: Annotated[Path, typer.Argument(help="Index of the fields, points or voxels it was trained on.")],
+    model: Annotated[
+        Path, typer.Argument(help="Folder of a trained model, or the name of a pretrained one: chair.")
+    ],
     folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
+    index: Annotated[
+        Path | None,
+        typer.Option(
+            help="Index of the fields, points or voxels it was trained on; a packed model needs none."
+        ),
+    ] = None,
     count: Annotated[int, typer.Option(min=1, help="Shapes to generate.")] = 16,
     mode: Annotated[str, typer.Option(help="How solids are built: solid (valid), or paper.")] = "solid",
     options: OptionsText = "{}",
     seed: Seed = 0,
     threads: Threads = 1,
 ) -> None:
-    """Generate meshes, and reconstruct the validation shapes.
+    """Generate meshes, and reconstruct the validation shapes of the index.
 
     Writes `none/` and `wls/` (without and with smoothing), each with `generated/` and `reconstructed/`
     surfaces (.ply) and solids (.vtu), and `certificate.csv` with the quality of every mesh. Models of
     implicit surfaces have neither solids nor smoothing, and a GAN reconstructs nothing.
 
-    Example: `tetgan sample results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json chairs`
+    Example: `tetgan sample chair chairs --count 8`, or of a model of your own
+    `tetgan sample results/models/chair/tetgan-LR/0 chairs --index results/fields/chair/LR/index.json`
     """
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
+    from tetgan.models.packing import find_model, index_beside
     from tetgan.models.samples import write_samples
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")
+    found = find_model(model)
+    learned_from = index or index_beside(found)
     use_threads(threads)
-    with whole_folder(folder) as partial:
-        write_samples(model, index, partial, count=count, options=chosen, seed=seed)
+    with whole_folder(folder, CERTIFICATES) as partial:
+        write_samples(found, learned_from, partial, count=count, options=chosen, seed=seed)
+
+
+@app.command(rich_help_panel=PANEL)
+def pack(
+    model: Annotated[Path, typer.Argument(help="Folder of a trained model of fields.")],
+    index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
+    folder: Annotated[Path, typer.Argument(help="Folder to write.")],
+) -> None:
+    """Make a small copy of a trained model that samples without its fields, to hand on.
+
+    Example: `tetgan pack results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json my-chairs`
+    """
+    from tetgan.models.packing import pack_model
+
+    pack_model(model, index, folder)
 
 
 @app.command(rich_help_panel=PANEL)
@@ -105,5 +132,5 @@ def simplify(
     from tetgan.meshing.simplify import simplify_samples
     from tetgan.shapes.options import SimplifyOptions
 
-    with whole_folder(folder) as partial:
+    with whole_folder(folder, CERTIFICATES) as partial:
         simplify_samples(samples, partial, SimplifyOptions(faces=faces))

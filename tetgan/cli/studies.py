@@ -38,12 +38,12 @@ def interpolate(
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
     from tetgan.studies.figure_options import LatentOptions
-    from tetgan.studies.interpolation import write_interpolations
+    from tetgan.studies.interpolation import STEPS, write_interpolations
 
     chosen = read_options(LatentOptions, options, "--options")
     shape = read_options(MeshingOptions, meshing, "--meshing")
     pairs = [split_ids(text, 2, "--pair") for text in pair or []]
-    with whole_folder(folder) as partial:
+    with whole_folder(folder, STEPS) as partial:
         write_interpolations(model, index, partial, options=chosen, meshing=shape, pairs=pairs)
 
 
@@ -68,13 +68,13 @@ def arithmetic(
     """
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
-    from tetgan.studies.arithmetic import write_arithmetic
+    from tetgan.studies.arithmetic import TRIPLES, write_arithmetic
     from tetgan.studies.figure_options import LatentOptions
 
     chosen = read_options(LatentOptions, options, "--options")
     shape = read_options(MeshingOptions, meshing, "--meshing")
     triples = [split_ids(text, 3, "--triple") for text in triple or []]
-    with whole_folder(folder) as partial:
+    with whole_folder(folder, TRIPLES) as partial:
         write_arithmetic(model, index, partial, options=chosen, meshing=shape, triples=triples)
 
 

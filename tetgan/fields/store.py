@@ -147,6 +147,10 @@ class FieldStore(ShardedStore[Field]):
             row[:, 1:] = field.displacement / np.float32(self.max_displacement)
         return np.clip(tensor, -1, 1, out=tensor)
 
+    def write_without_shapes(self, out: Path) -> None:
+        """Write an index that knows the grid and both numbers, and no shape: all that decoding takes."""
+        write_index(self._index.model_copy(update={"shards": []}), out)
+
     def _open_shard(self, path: Path) -> ShardReader:
         return _open_shard(path, self._index.grid_digest)
 

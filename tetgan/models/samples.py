@@ -102,6 +102,8 @@ def _numbered(shapes: Iterator[Shape], count: int) -> Iterator[Item[Shape]]:
 
 def _with_iou(shapes: Iterator[tuple[str, Shape, float]], count: int) -> Iterator[Item[Shape]]:
     """Reconstructions by the id of their original."""
+    if not count:
+        return
     progress = track(shapes, description="reconstructing", total=count, console=Console(stderr=True))
     for shape_id, shape, iou in progress:
         yield shape_id, shape, {"iou": iou}

@@ -81,7 +81,7 @@ def study_smoothing(
         "evaluation": evaluation.model_dump(),
         **features,
     }
-    with whole_folder(folder) as partial:
+    with whole_folder(folder, REPORT) as partial:
         pd.DataFrame(rows).to_csv(partial / SHAPES, index=False)
         (partial / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
         write_meshes(partial / EXAMPLE, ((name, *surface) for name, surface in example.items()), [])

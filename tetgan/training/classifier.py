@@ -52,7 +52,7 @@ def train_classifier(
     if options.checkpoint is None:
         ClassifierTrainer(train, holdout, categories, options, out_folder).run()
         return
-    with whole_folder(out_folder) as folder:
+    with whole_folder(out_folder, "log.csv") as folder:
         _take_checkpoint(options.checkpoint, categories, holdout, folder)
 
 

@@ -29,7 +29,7 @@ rule sample_model:
         meshing=meshing_options,
         code=model_code("tetgan.models.samples", "meshing", "nn", "models"),
     shell:
-        "tetgan sample {params.model:q} {input.index:q} {output.samples:q} --count {params.shapes}"
+        "tetgan sample {params.model:q} {output.samples:q} --index {input.index:q} --count {params.shapes}"
         " --mode {wildcards.mode} --options {params.meshing:q} --seed {wildcards.seed} --threads {threads}"
         " >{log:q} 2>&1"
 
