@@ -15,6 +15,7 @@ from tetgan.rendering.style import WIDTH, line_styles, plot_style
 BEGIN, END = "<!-- made by `make bench`: do not edit -->", "<!-- end -->"
 _POINT = re.compile(r"^(?P<curve>.+) \[(?P<size>[a-z]+)=(?P<at>\d+)\]$")
 _SECONDS = {"s": 1.0, "CPU-s": 1.0, "ms": 1e-3, "CPU-ms": 1e-3}
+_WIDE = 1000  # largest over smallest tick from which only powers of ten have labels
 _DPI = 110  # a page wants pictures below 100 kB
 
 Curves = dict[str, dict[str, list[tuple[int, Record]]]]
@@ -75,8 +76,8 @@ def _draw(size: str, lines: dict[str, list[tuple[int, Record]]]) -> Figure:
         seconds = [each["value"] * _SECONDS[each["unit"]] for each in records]
         axes.plot(sizes, seconds, marker="o", label=name, **looks[name])
     axes.set(xscale="log", yscale="log", xlabel=size, ylabel="seconds", title=f"Cost against {size}")
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < _WIDE * low else (1,)))
         axis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(lambda value, _: f"{value:,.0f}")
     axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
