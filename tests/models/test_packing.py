@@ -84,6 +84,8 @@ def test_what_cannot_be_packed_is_refused(store, trained, tmp_path):
     with pytest.raises(UserError, match="too large for half precision"):
         pack_model(model, index, tmp_path / "packed")
     assert not (tmp_path / "packed").exists()
+    with pytest.raises(UserError, match="model: is there already; name a new folder"):
+        pack_model(model, index, model)
 
 
 def generator_options(model):

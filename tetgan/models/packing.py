@@ -1,6 +1,6 @@
 """A trained model as a small folder that stands alone, and the ones that come with this package."""
 
-import json
+import shutil
 from pathlib import Path
 
 import torch
@@ -8,7 +8,7 @@ from safetensors.torch import load_file, save_file
 
 from tetgan.errors import UserError
 from tetgan.fields.store import FieldStore
-from tetgan.files import whole_file, whole_folder
+from tetgan.files import whole_folder
 from tetgan.models.registry import OPTIONS, WEIGHTS, load_generator, load_options
 
 INDEX = "index.json"
@@ -21,11 +21,14 @@ def pack_model(model: Path, index: Path, folder: Path) -> None:
     Args:
         model: folder of a trained model of fields.
         index: of the fields that it was trained on.
-        folder: takes a tenth of the room of the model, its checkpoint and its fields.
+        folder: a new one.
 
     Raises:
-        UserError: no trained model, one of other fields, or one that is nothing without its shapes.
+        UserError: no trained model, one of other fields, one that is nothing without its shapes, or a folder
+            that is there already.
     """
+    if folder.exists():
+        raise UserError(f"{folder}: is there already; name a new folder")
     store = FieldStore.open(index)
     if load_options(model).kind == "representation":
         raise UserError(f"{model}: a representation has no weights; its fields are all there is of it")
@@ -33,11 +36,9 @@ def pack_model(model: Path, index: Path, folder: Path) -> None:
     weights = {name: value.half() for name, value in load_file(model / WEIGHTS).items()}
     if not all(torch.isfinite(value).all() for value in weights.values()):
         raise UserError(f"{model}: a weight is too large for half precision")
-    with whole_folder(folder, OPTIONS) as partial:
-        record = json.loads((model / OPTIONS).read_text(encoding="utf-8"))
-        (partial / OPTIONS).write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
-        with whole_file(partial / WEIGHTS) as file:
-            save_file(weights, file)
+    with whole_folder(folder, INDEX) as partial:
+        shutil.copyfile(model / OPTIONS, partial / OPTIONS)
+        save_file(weights, partial / WEIGHTS)
         store.write_without_shapes(partial / INDEX)
 
 
