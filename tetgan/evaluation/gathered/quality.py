@@ -21,6 +21,7 @@ from tetgan.evaluation.seeds import named_rng
 
 IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
 SUMS = ("inverted_tets", "nonmanifold_edges", "nonmanifold_vertices", "self_intersections", "cavities")
+# Figure to the column of certificates that it sums up over meshes, and how.
 _STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
     "valid": ("valid", np.mean),
     "p1_dihedral": ("p1_dihedral", np.mean),
@@ -31,7 +32,6 @@ _SOLID_STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
     "changed_median": ("changed", np.median),
     "changed_p95": ("changed", partial(np.quantile, q=0.95)),
 }
-# Figure to the column of certificates that it sums up over meshes, and how.
 
 FIGURES = (
     *("valid", "valid_low", "valid_high"),
