@@ -23,7 +23,7 @@ from torch import Tensor
 from benchmarks.naive import around, linear_form, naive_tet_conv
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.nn.conv import SLOTS, TetNeighbors, conv_backend, input_gradients_only, tet_conv
-from tetgan.training.memory import keep_freed_memory
+from tetgan.nn.device import keep_freed_memory
 
 Result = dict[str, Any]
 

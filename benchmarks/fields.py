@@ -11,15 +11,14 @@ import trimesh
 import typer
 from records import Records, cpu_seconds, record
 
-from tetgan.fields.extract import extract_field
-from tetgan.fields.field import Field, surface_tets
-from tetgan.fields.shard import ShardReader, write_shard
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.extraction import extract_field
+from tetgan.fields.field import Field, surface_tets, vertex_operator
+from tetgan.fields.store import ShardReader, write_shard
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions, Mode
-from tetgan.meshing.records import quality_record
+from tetgan.solids.record import quality_record
 
 _SAMPLE = 200  # tets on which brute force is tried, to be scaled up to all
 _CHECKED = 20  # tets whose distances are computed to every triangle

@@ -27,14 +27,12 @@ from torch._subclasses.fake_tensor import FakeTensorMode
 from torch.utils._python_dispatch import TorchDispatchMode
 from torch.utils._pytree import tree_leaves
 
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.field import vertex_operator
 from tetgan.grids.hierarchy import GridHierarchy, build_hierarchy
-from tetgan.models.options import TetganOptions
+from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
 from tetgan.nn import norm
 from tetgan.nn.conv import SLOTS
-from tetgan.training.learner import Learner
 from tetgan.training.loop import step_draws
-from tetgan.training.options import TrainingOptions
 
 log = logging.getLogger(__name__)
 
@@ -125,7 +123,7 @@ def iteration_cost(
     name: str, hierarchy: GridHierarchy, device: str, width: int = 64, **switches: Any
 ) -> Cost:
     """Memory and, on a GPU, time of an iteration on a grid; `switches` are training options."""
-    training = TrainingOptions.parse({"batch_size": BATCH} | switches)
+    training = TetganTraining.parse({"batch_size": BATCH} | switches)
     options = TetganOptions.parse(
         {
             **{"grid": name, "latent": GRIDS[name][1], "code": 8 * width, "width": width},

@@ -11,13 +11,13 @@ from records import Records, record, wall_seconds
 from torch.nn import functional
 
 from tetgan.evaluation.chamfer import SurfaceSample, chamfer
-from tetgan.evaluation.features import cloud_features
-from tetgan.evaluation.frechet import fid, fid_interval, kid_interval
+from tetgan.evaluation.fid import fid, fid_interval, kid_interval
 from tetgan.evaluation.options import VarietyOptions
-from tetgan.evaluation.threads import map_threads
 from tetgan.evaluation.variety import variety
-from tetgan.models.pointnet2 import PointNet2, group_points, prepare_clouds
-from tetgan.training.memory import keep_freed_memory
+from tetgan.extractor.features import cloud_features
+from tetgan.extractor.network import PointNet2, group_points, prepare_clouds
+from tetgan.nn.device import keep_freed_memory
+from tetgan.progress import map_threads
 
 _PAIRS, _CLOUDS, _POINTS = 250, 1000, 10_000
 _CLOUD_POINTS = 2048

@@ -14,12 +14,11 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from tetgan.grids.hierarchy import GridHierarchy, upsampling_weights
-from tetgan.models.critics import GlobalCritic, LocalCritic
-from tetgan.models.tetgan import TetganGenerator
+from tetgan.methods.tetgan.critics import GlobalCritic, LocalCritic
+from tetgan.methods.tetgan.network import TetganGenerator
 from tetgan.nn.conv import TetConv
 from tetgan.nn.norm import SLOPE, TetInstanceNorm
 from tetgan.nn.resample import TetPool, TetUpsample
-from tetgan.training.learner import Learner
 
 
 class NaiveConv(nn.Module):

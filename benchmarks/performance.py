@@ -10,7 +10,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from records import Record, Records, is_met
 
 from tetgan.files import whole_file
-from tetgan.rendering.style import WIDTH, line_styles, plot_style
+from tetgan.rendering.plots import WIDTH, line_styles, plot_style
 
 BEGIN, END = "<!-- made by `make bench`: do not edit -->", "<!-- end -->"
 _POINT = re.compile(r"^(?P<curve>.+) \[(?P<size>[a-z]+)=(?P<at>\d+)\]$")

@@ -16,14 +16,15 @@ from pydantic import TypeAdapter
 from rich.console import Console
 from rich.progress import track
 
+from tetgan.geometry.rays import Visibility
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.shapes.cleaning import ShapeError, clean_mesh
 from tetgan.shapes.entries import draw_entries
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.normalise import normalise
 from tetgan.shapes.options import RepairOptions, SourceOptions
-from tetgan.shapes.rays import Visibility
 from tetgan.shapes.repair import repair_shape, surface_distances
-from tetgan.shapes.soup import ShapeError, Soup, clean_soup
 from tetgan.shapes.sources import list_shapes, load_shape
 
 # Options of each row; the lengths are fractions of a shape's longest side.
@@ -60,15 +61,15 @@ def main(
     print(summarise(table).to_markdown(floatfmt=".4g"))
 
 
-def _read_soups(source: SourceOptions, category: str, count: int) -> list[Soup]:
+def _read_soups(source: SourceOptions, category: str, count: int) -> list[TriangleMesh]:
     entries = draw_entries(
         [entry for entry in list_shapes(source, category) if entry.split != "holdout"], count
     )
-    soups = [clean_soup(load_shape(source, category, entry)) for entry in entries]
-    return [Soup(normalise(soup.vertices, MARGIN), soup.faces) for soup in soups]
+    soups = [clean_mesh(load_shape(source, category, entry)) for entry in entries]
+    return [TriangleMesh(normalise(soup.vertices, MARGIN), soup.faces) for soup in soups]
 
 
-def seen_solid(soup: Soup, points: Float[np.ndarray, "P 3"]) -> Bool[np.ndarray, "P"]:
+def seen_solid(soup: TriangleMesh, points: Float[np.ndarray, "P 3"]) -> Bool[np.ndarray, "P"]:
     """Points inside the raw shape: none of 128 directions leads out. No face's orientation plays a part."""
     visibility = Visibility(soup.triangles)
     up = np.tile([0.0, 1.0, 0.0], (len(points), 1))
@@ -76,7 +77,10 @@ def seen_solid(soup: Soup, points: Float[np.ndarray, "P 3"]) -> Bool[np.ndarray,
 
 
 def measure(
-    name: str, soups: list[Soup], truths: list[Bool[np.ndarray, "P"]], points: Float[np.ndarray, "P 3"]
+    name: str,
+    soups: list[TriangleMesh],
+    truths: list[Bool[np.ndarray, "P"]],
+    points: Float[np.ndarray, "P 3"],
 ) -> list[dict[str, Any]]:
     """One row a shape: what came back, what it cost, how far it is from the raw shape."""
     options = RepairOptions(**VARIANTS[name])
@@ -92,7 +96,9 @@ def measure(
                 continue
             seconds = time.process_time() - started
             # From the unit cube back into the frame of the raw shape, which repair offset outward.
-            solid = Soup((repaired.solid.vertices - 0.5) * (1 - 2 * MARGIN) + 0.5, repaired.solid.faces)
+            solid = TriangleMesh(
+                (repaired.solid.vertices - 0.5) * (1 - 2 * MARGIN) + 0.5, repaired.solid.faces
+            )
             field = igl.fast_winding_number(solid.vertices, solid.faces, points) > 0.5
             distances = surface_distances(soup, solid)
             rows.append(

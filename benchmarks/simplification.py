@@ -15,16 +15,17 @@ from records import Records, cpu_seconds, record
 from rich.console import Console
 from rich.progress import track
 
-from tetgan.fields.extract import extract_field
+from tetgan.fields.extraction import extract_field
 from tetgan.fields.field import Field, surface_tets
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.entries import draw_entries
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.normalise import normalise
 from tetgan.shapes.options import RepairOptions, SourceOptions
 from tetgan.shapes.repair import repair_shape, simplify_solid
-from tetgan.shapes.soup import ShapeError, Soup
 from tetgan.shapes.sources import list_shapes, load_shape
 
 _MARGIN = 0.02
@@ -69,7 +70,7 @@ def compare(
     return pd.DataFrame([row for solid in solids for row in _compare_shape(solid, grid)])
 
 
-def _repaired(source: SourceOptions, category: str, count: int, method: str) -> list[Soup]:
+def _repaired(source: SourceOptions, category: str, count: int, method: str) -> list[TriangleMesh]:
     options = RepairOptions.model_validate({"method": method})
     entries = [entry for entry in list_shapes(source, category) if entry.split != "holdout"]
     solids = []
@@ -79,11 +80,11 @@ def _repaired(source: SourceOptions, category: str, count: int, method: str) -> 
                 solid = repair_shape(load_shape(source, category, entry), worker, options).solid
             except ShapeError:
                 continue  # a shape that the pipeline rejects, too
-            solids.append(Soup(normalise(solid.vertices, _MARGIN), solid.faces))
+            solids.append(TriangleMesh(normalise(solid.vertices, _MARGIN), solid.faces))
     return solids
 
 
-def _compare_shape(solid: Soup, grid: TetGrid) -> list[dict[str, Any]]:
+def _compare_shape(solid: TriangleMesh, grid: TetGrid) -> list[dict[str, Any]]:
     seconds, truth = cpu_seconds(lambda: extract_field(solid.vertices, solid.faces, grid))
     rows: list[dict[str, Any]] = [{"to": "all", "faces": len(solid.faces), "field_seconds": seconds}]
     for faces in _FACES:

@@ -9,9 +9,9 @@ import typer
 from records import Records, cpu_seconds, record
 
 from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.mechanics.options import LoadCase
+from tetgan.mechanics.simulation import Simulation, simulate
 from tetgan.rendering.meshes import Solid
-from tetgan.studies.elasticity.options import LoadCase
-from tetgan.studies.simulation import Simulation, simulate
 
 TARGET = 60.0  # seconds for a hundred thousand tets
 

@@ -19,20 +19,19 @@ from rich.console import Console
 from rich.progress import track
 from scipy import ndimage
 
-from tetgan.fields.extract import extract_field
-from tetgan.fields.field import Field, VertexField, surface_tets
+from tetgan.fields.extraction import extract_field
+from tetgan.fields.field import Field, VertexField, surface_tets, vertex_operator
 from tetgan.fields.store import FieldStore
-from tetgan.fields.vertices import vertex_operator
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
-from tetgan.meshing.certificate import Certificate, certify
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.solid import SolidMesh
-from tetgan.models.registry import load_generator
+from tetgan.models.files import load_generator
 from tetgan.models.sampling import generate_fields, reconstruct_fields
 from tetgan.shapes.archive import read_meshes
-from tetgan.shapes.soup import Soup
+from tetgan.solids.certificate import Certificate, certify
+from tetgan.solids.solid import SolidMesh
 
 SOLID, PAPER = MeshingOptions(), MeshingOptions(mode="paper")
 _POINTS = 5000  # of each surface, for distances
@@ -43,7 +42,7 @@ class Case(NamedTuple):
 
     field: Field | VertexField
     mu: float
-    shape: Soup | None = None
+    shape: TriangleMesh | None = None
 
 
 def main(  # noqa: PLR0917 - options, not positions
@@ -170,17 +169,17 @@ def exact(grid: TetGrid) -> Iterator[Case]:
         trimesh.creation.capsule(0.5, 0.15).apply_translation((0, 0, -0.25)),
     ]
     for shape in shapes:
-        soup = Soup(np.array(shape.vertices) + 0.5, np.array(shape.faces, dtype=np.int64))
+        soup = TriangleMesh(np.array(shape.vertices) + 0.5, np.array(shape.faces, dtype=np.int64))
         yield from 2 * [_truth(soup, grid)]
 
 
 def there_and_back(grid: TetGrid, meshes: list[Path], count: int) -> Iterator[Case]:
     """Fields of repaired shapes."""
     for _, vertices, faces in [each for path in meshes for each in read_meshes(path)][:count]:
-        yield _truth(Soup(vertices.astype(np.float64), faces.astype(np.int64)), grid)
+        yield _truth(TriangleMesh(vertices.astype(np.float64), faces.astype(np.int64)), grid)
 
 
-def _truth(soup: Soup, grid: TetGrid) -> Case:
+def _truth(soup: TriangleMesh, grid: TetGrid) -> Case:
     field = extract_field(soup.vertices, soup.faces, grid)
     lengths = np.linalg.norm(field.displacement, axis=1)
     surface = surface_tets(field.occupancy, grid.neighbors)
@@ -232,7 +231,7 @@ def _violations(found: Certificate) -> int:
     )
 
 
-def _distance(mesh: SolidMesh, shape: Soup) -> float:
+def _distance(mesh: SolidMesh, shape: TriangleMesh) -> float:
     """Mean distance between two surfaces, both ways, of points uniform by area."""
     one, other = (mesh.vertices, mesh.faces), (shape.vertices, shape.faces)
     return (_one_way(one, other) + _one_way(other, one)) / 2

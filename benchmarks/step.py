@@ -24,13 +24,11 @@ from naive_step import NaiveLearner
 from records import Records, record
 from torch import Tensor
 
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.field import vertex_operator
 from tetgan.grids.hierarchy import GridHierarchy, build_hierarchy
-from tetgan.models.options import TetganOptions
-from tetgan.training.learner import Learner
+from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
+from tetgan.nn.device import keep_freed_memory
 from tetgan.training.loop import step_draws
-from tetgan.training.memory import keep_freed_memory
-from tetgan.training.options import TrainingOptions
 
 CELLS, DEPTH, BATCH = 2, 2, 4
 MODEL = TetganOptions.parse(
@@ -39,7 +37,7 @@ MODEL = TetganOptions.parse(
         **{"local_critic_width": 4, "global_critic_width": 16},
     }
 )
-TRAINING = TrainingOptions(batch_size=BATCH, device="cpu")
+TRAINING = TetganTraining(batch_size=BATCH, device="cpu")
 # Of each loss, or of 0.01 where one is smaller: gaps are differences of means. A penalty measures a gradient,
 # which may pass another way through max pooling where two features are equal but for rounding.
 TOLERANCE, PENALTY_TOLERANCE, MOVED_TOLERANCE = 1e-4, 1e-3, 1e-2

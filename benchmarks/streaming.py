@@ -17,16 +17,13 @@ import torch
 import typer
 from records import Records, record
 
-from tetgan.fields.field import Field
+from tetgan.fields.field import Field, vertex_operator
 from tetgan.fields.store import FieldStore, index_fields, write_shard
-from tetgan.fields.vertices import vertex_operator
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.grids.options import GridOptions
-from tetgan.models.options import TetganOptions
+from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
 from tetgan.training.data import StreamedFields
-from tetgan.training.learner import Learner
 from tetgan.training.loop import step_draws
-from tetgan.training.options import TrainingOptions
 
 
 class Found(NamedTuple):
@@ -87,7 +84,7 @@ def read_seconds(store: FieldStore, batch: int) -> float:
 def train(store: FieldStore, batch: int, width: int, device: str) -> Found:
     """Autoencoder steps over all shapes twice, without the first, which waits for its first batch."""
     options = TetganOptions.parse({"grid": "LR", "latent": "tet", "code": 16, "width": width})
-    training = TrainingOptions.parse({"batch_size": batch})
+    training = TetganTraining.parse({"batch_size": batch})
     operator = vertex_operator(store.hierarchy.finest)
     where = torch.device(device)
     learner = Learner(options, training, store.hierarchy, operator, seed=0, device=where)

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tetgan.grids.adjacency import boundary_faces
-from tetgan.meshing.export import write_tets
-from tetgan.meshing.solid import SolidMesh
+from tetgan.geometry.adjacency import boundary_faces
+from tetgan.solids.export import write_tets
+from tetgan.solids.solid import SolidMesh
 
 CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 TET = np.array([[0, 1, 2, 3]])

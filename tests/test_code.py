@@ -7,7 +7,7 @@ import pytest
 
 import tetgan.nn.backends
 from tetgan.code import _imported, code_digest
-from tetgan.models.kinds import find_kind
+from tetgan.models.registry import find_method
 
 FILES = {
     "__init__.py": "",
@@ -64,17 +64,19 @@ def test_every_backend_of_the_convolution_counts():
 
 
 def behind(kind: str) -> set[str]:
-    modules = ["tetgan.training.run", *find_kind(kind).modules]
+    modules = ["tetgan.training.run", *find_method(kind).modules]
     return set(_imported(modules, {"nn", "models", "training"}))
 
 
 def test_kinds_of_this_package_do_not_depend_on_each_other():
     tetgan, occnet, pca = map(behind, ("tetgan", "occnet", "pca"))
-    assert {"tetgan.models.tetgan", "tetgan.training.learner", "tetgan.nn.conv"} <= tetgan
-    assert {"tetgan.models.baselines.occnet", "tetgan.training.baselines.occnet"} <= occnet
+    assert {"tetgan.methods.tetgan.network", "tetgan.methods.tetgan.learner", "tetgan.nn.conv"} <= tetgan
+    assert {"tetgan.methods.occnet.network", "tetgan.methods.occnet.training"} <= occnet
     assert not any("occnet" in name or "shapegan" in name or "deftet" in name for name in tetgan | pca)
-    assert not any("tetgan.models.tetgan" in name or "tetgan.nn.conv" in name for name in occnet | pca)
-    assert {"tetgan.models.registry", "tetgan.training.run"} <= tetgan & occnet & pca
+    assert not any(
+        "tetgan.methods.tetgan.network" in name or "tetgan.nn.conv" in name for name in occnet | pca
+    )
+    assert {"tetgan.models.files", "tetgan.training.run"} <= tetgan & occnet & pca
 
 
 def test_what_reaches_a_stage_as_its_parameters_does_not_count():

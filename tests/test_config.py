@@ -63,7 +63,7 @@ def test_the_written_schema_is_in_step():
         (changed(plugins="toys"), ["plugins", "valid list"]),
         (changed(plugins=["toys/linear.py"]), ["plugins", "'toys/linear.py' is no dotted name of a module"]),
         (changed(plugins=["absent_toys.linear"]), ["plugins", "No module named 'absent_toys'", "PYTHONPATH"]),
-        (changed(plugins=["json"]), ["plugins: json", "holds no ModelKind"]),
+        (changed(plugins=["json"]), ["plugins: json", "holds no Method"]),
         (
             changed(models={"m": {"kind": "tetgan", "grid": "LR", "training": {"epoch": 3}}}),
             ["models.m", "epoch", "epochs"],

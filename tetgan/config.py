@@ -16,19 +16,25 @@ from pydantic import Field, model_validator
 
 from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
+from tetgan.extractor.options import ExtractorOptions
 from tetgan.fields.options import PointOptions, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
 from tetgan.meshing.options import MeshingOptions, Mode
-from tetgan.models.kind import ModelKind
-from tetgan.models.kinds import MODULE_NAME, ModelOptions, find_kind, kind_of, load_plugins, loaded_kinds
-from tetgan.models.like import allow_like, resolve_like
+from tetgan.methods.tetgan.options import TetganTraining
+from tetgan.models.inherit import allow_inherit, resolve_inheritance
+from tetgan.models.method import Method
+from tetgan.models.registry import (
+    MODULE_NAME,
+    ModelOptions,
+    find_method,
+    load_plugins,
+    loaded_methods,
+    method_of,
+)
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
-from tetgan.studies.figure_options import LatentOptions, NearestOptions
-from tetgan.studies.options import StudyOptions
-from tetgan.training.extractor_options import ExtractorOptions
-from tetgan.training.kinds import training_options
-from tetgan.training.options import TrainingOptions
+from tetgan.studies.options import LatentOptions, NearestOptions, StudyOptions
+from tetgan.training.options import training_options
 
 TABLES = {
     *("fid", "variety", "reconstruction", "manifold", "quality", "dataset", "runtime"),
@@ -37,6 +43,7 @@ TABLES = {
 """Tables beside those of the categories, in one folder with them: no category may have such a name."""
 
 ModuleName = Annotated[str, Field(pattern=MODULE_NAME)]
+
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]*$")]
 
 
@@ -100,15 +107,15 @@ class Config(Options):
     )
     models: dict[Name, ModelOptions] = Field(
         description="by name; `like: other` takes over the other's settings, an empty entry drops the model",
-        json_schema_extra=allow_like,
+        json_schema_extra=allow_inherit,
     )
     ablation: list[Name] = Field(
         [],
         description="models of results/tables/ablation.csv, the full one first; the others stand there alone",
     )
     seeds: list[Annotated[int, Field(ge=0)]] = Field([0], min_length=1, description="seeds of every model")
-    training: TrainingOptions = Field(
-        TrainingOptions(), description="how models are trained; a model's own `training` overrides it"
+    training: TetganTraining = Field(
+        TetganTraining(), description="how models are trained; a model's own `training` overrides it"
     )
     sampling: SamplingOptions = Field(SamplingOptions(), description="shapes drawn from each model")
     meshing: MeshingOptions = Field(MeshingOptions(), description="from a field to a mesh")
@@ -134,7 +141,7 @@ class Config(Options):
     def _resolve_like(cls, values: Any) -> Any:
         _load_plugins(values)
         if isinstance(values, dict) and isinstance(values.get("models"), dict):
-            return values | {"models": resolve_like(values["models"])}
+            return values | {"models": resolve_inheritance(values["models"])}
         return values
 
     @model_validator(mode="after")
@@ -158,7 +165,7 @@ class Config(Options):
 
     def _check_shown(self, key: str, names: list[str]) -> None:
         """What shows interiors, latents or displacements takes models of fields."""
-        known = [name for name, model in self.models.items() if kind_of(model).has_fields]
+        known = [name for name, model in self.models.items() if method_of(model).has_fields]
         for name in names:
             if name not in known:
                 raise ValueError(
@@ -167,9 +174,9 @@ class Config(Options):
 
     def _check_data(self, name: str, model: Any) -> None:
         """A model must name what it learns from, or is made from."""
-        kind = kind_of(model)
+        kind = method_of(model)
         if not kind.trained:
-            trained = [other for other, options in self.models.items() if kind_of(options).trained]
+            trained = [other for other, options in self.models.items() if method_of(options).trained]
             if model.of not in trained:
                 raise ValueError(f"models.{name}.of: '{model.of}' is not one of {sorted(trained)}")
         elif kind.sampling is not None:
@@ -190,7 +197,7 @@ class Config(Options):
                 f"models.{name}.sampling: '{model.sampling}' is none that it can learn from: {sorted(fit)}"
             )
 
-    def _check_standing(self, name: str, model: Any, kind: ModelKind) -> None:
+    def _check_standing(self, name: str, model: Any, kind: Method) -> None:
         other: Any = self.models.get(model.of)
         if other is None or other.kind not in kind.of:
             raise ValueError(f"models.{name}.of: '{model.of}' is no model of kind {' or '.join(kind.of)}")
@@ -223,7 +230,7 @@ class Config(Options):
 
     def modes_of(self, model: str) -> list[Mode]:
         """Modes in which a model's samples are meshed; where it gives no fields, there is only a name."""
-        kind = kind_of(self.models[model])
+        kind = method_of(self.models[model])
         return self.modes if kind.has_fields and not kind.one_mode else self.modes[:1]
 
     def shown_mode(self, model: str) -> Mode:
@@ -258,7 +265,7 @@ class Config(Options):
     def reductions(self, model: str) -> str:
         """What is smaller than in the paper for one model, or chosen otherwise, in words; empty: nothing."""
         options: Any = self.models[model]
-        kind = kind_of(options)
+        kind = method_of(options)
         told, data, training = [], None, None
         if kind.trained:
             data = self.grids[options.grid] if kind.sampling is None else self.samplings[options.sampling]
@@ -267,7 +274,7 @@ class Config(Options):
             told.append(under)
         if kind.of:  # of the sizes of another model, but with training of its own
             options = self.models[options.of]
-        sizes = kind_of(options).load("sizes")(options, data, training)
+        sizes = method_of(options).load("sizes")(options, data, training)
         return "; ".join([*told, *(f"{key} {size}" for key, size in sizes.items() if size.differs)])
 
 
@@ -280,7 +287,7 @@ def load_config(values: dict[str, Any]) -> dict[str, Any]:
     _load_plugins(values)
     own = dict(values)
     if isinstance(values.get("models"), dict):
-        own["models"] = resolve_like(values["models"])
+        own["models"] = resolve_inheritance(values["models"])
     for section, classes in _classes(own).items():
         if isinstance(own.get(section), dict):
             own[section] = {name: _of_one_kind(part, classes) for name, part in own[section].items()}
@@ -300,10 +307,10 @@ def _classes(values: dict[str, Any]) -> dict[str, list[type[Options]]]:
     for part in models.values() if isinstance(models, dict) else ():
         if isinstance(part, dict) and isinstance(part.get("kind"), str):
             with suppress(UserError):  # of which validation will tell
-                find_kind(part["kind"])
+                find_method(part["kind"])
     unions = {"sources": SourceOptions, "samplings": ShapeSampling}
     members = {section: list(get_args(get_args(union)[0])) for section, union in unions.items()}
-    return members | {"models": [kind.options for kind in loaded_kinds()]}
+    return members | {"models": [kind.options for kind in loaded_methods()]}
 
 
 def _in_words(value: Any) -> str:

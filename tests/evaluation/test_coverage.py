@@ -5,8 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.evaluation.coverage import nearest_neighbor_accuracy, set_measures
-from tetgan.evaluation.twosets import TwoSets, bootstrap_measures, two_sets
+from tetgan.evaluation.coverage import (
+    TwoSets,
+    bootstrap_measures,
+    nearest_neighbor_accuracy,
+    set_measures,
+    two_sets,
+)
 
 
 def of_points(generated: np.ndarray, real: np.ndarray) -> TwoSets:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tetgan.evaluation.frames import bounding_box, frame_notes
+from tetgan.evaluation.meshfolder import bounding_box, frame_notes
 
 
 def boxes(size: float, at: float) -> np.ndarray:

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from tetgan.evaluation.chamfer import SurfaceSample, chamfer
+from tetgan.evaluation.chamfer import SurfaceSample, chamfer, chamfer_between
 from tetgan.evaluation.novelty import find_nearest, nearest_training
-from tetgan.evaluation.pairwise import chamfer_between
 
 
 def sphere(rng: np.random.Generator, radius: float) -> np.ndarray:

@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 
-from tetgan.evaluation import pairwise
-from tetgan.evaluation.chamfer import SurfaceSample, chamfer
-from tetgan.evaluation.pairwise import chamfer_between, chamfer_within, resampled_chamfer
+from tetgan.evaluation import chamfer as pairwise
+from tetgan.evaluation.chamfer import (
+    SurfaceSample,
+    chamfer,
+    chamfer_between,
+    chamfer_within,
+    resampled_chamfer,
+)
 
 # Single precision: a few units in the last place of the clouds' squared extent.
 EXACT = 1e-6

@@ -6,13 +6,9 @@ import pytest
 import trimesh
 
 from tetgan.errors import UserError
-from tetgan.evaluation.samples import SampleFolder
-from tetgan.evaluation.surfaces import (
-    Topology,
-    draw_sample,
-    measure_topology,
-    read_surface,
-)
+from tetgan.evaluation.surfaces import Topology, draw_sample, measure_topology
+from tetgan.solids.folder import SampleFolder
+from tetgan.solids.reading import read_surface
 
 
 def write_certificate(folder, rows):

@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 import trimesh
 
-from tetgan.evaluation.surfaces import Surface
-from tetgan.evaluation.volume import contains, volume_iou
+from tetgan.evaluation.reconstructions import contains, volume_iou
+from tetgan.geometry.triangles import TriangleMesh
 
 POINTS = 20_000
 
 
-def box(size=(1.0, 1.0, 1.0), at=(0.0, 0.0, 0.0)) -> Surface:
+def box(size=(1.0, 1.0, 1.0), at=(0.0, 0.0, 0.0)) -> TriangleMesh:
     made = trimesh.creation.box(size)
-    return Surface(np.asarray(made.vertices) + np.array(at), np.asarray(made.faces, dtype=np.int64))
+    return TriangleMesh(np.asarray(made.vertices) + np.array(at), np.asarray(made.faces, dtype=np.int64))
 
 
 def test_a_shape_is_itself_whichever_way_it_faces():
     cube = box()
     assert volume_iou(cube, cube, POINTS, 0) == 1
-    assert volume_iou(cube, Surface(cube.vertices, cube.faces[:, ::-1]), POINTS, 0) == 1
+    assert volume_iou(cube, TriangleMesh(cube.vertices, cube.faces[:, ::-1]), POINTS, 0) == 1
 
 
 @pytest.mark.parametrize(
@@ -39,14 +39,14 @@ def test_boxes_have_known_overlaps(other, expected):
 
 def test_scale_and_order_do_not_matter():
     first, second = box(), box(at=(0.3, 0.2, 0.1))
-    large = [Surface(1000 * each.vertices + 7, each.faces) for each in (first, second)]
+    large = [TriangleMesh(1000 * each.vertices + 7, each.faces) for each in (first, second)]
     value = volume_iou(first, second, POINTS, 0)
     assert volume_iou(second, first, POINTS, 0) == value
     assert volume_iou(*large, POINTS, 0) == pytest.approx(value, abs=1e-3)
 
 
 def test_a_sheet_has_no_inside():
-    sheet = Surface(np.eye(3), np.array([[0, 1, 2]]))
+    sheet = TriangleMesh(np.eye(3), np.array([[0, 1, 2]]))
     assert isnan(volume_iou(sheet, sheet, POINTS, 0))
 
 
@@ -54,5 +54,5 @@ def test_a_box_without_a_lid_still_has_most_of_its_inside():
     cube = box()
     top = (cube.vertices[cube.faces][:, :, 2] > 0.4).all(1)
     queries = np.random.default_rng(0).random((2000, 3)) - 0.5
-    assert contains(Surface(cube.vertices, cube.faces[~top]), queries[queries[:, 2] < 0]).all()
+    assert contains(TriangleMesh(cube.vertices, cube.faces[~top]), queries[queries[:, 2] < 0]).all()
     assert not contains(cube, queries + 2).any()

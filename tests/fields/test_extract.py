@@ -6,7 +6,7 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.fields.extract import _regions, extract_field
+from tetgan.fields.extraction import _regions, extract_field
 from tetgan.fields.field import surface_tets
 from tetgan.grids.hierarchy import build_hierarchy
 

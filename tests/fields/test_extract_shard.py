@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.fields.extract import extract_field
-from tetgan.fields.shard import ShardReader
-from tetgan.fields.shards import extract_shard
+from tetgan.fields.extraction import extract_field, extract_shard
+from tetgan.fields.store import ShardReader
 from tetgan.grids.options import GridOptions
 from tetgan.shapes.archive import write_meshes
 

@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from tetgan.errors import UserError
 from tetgan.fields.field import Field, surface_tets
-from tetgan.fields.shard import ShardReader
-from tetgan.fields.store import FieldStore, index_fields, write_shard
+from tetgan.fields.store import FieldStore, ShardReader, index_fields, write_shard
 from tetgan.grids.options import GridOptions
 
 GRID = GridOptions(cells=2, depth=1)

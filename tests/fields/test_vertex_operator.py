@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.field import vertex_operator
 from tetgan.grids.grid import TetGrid
 
 

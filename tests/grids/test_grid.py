@@ -7,8 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.grids.adjacency import boundary_faces, face_neighbors, unique_edges
-from tetgan.grids.grid import TetGrid, tet_volumes
+from tetgan.geometry.adjacency import boundary_faces, face_neighbors, unique_edges
+from tetgan.geometry.tets import tet_volumes
+from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy
 
 CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])

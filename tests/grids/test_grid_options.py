@@ -3,8 +3,7 @@
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.grids.build import grid_from_options
-from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.grids.hierarchy import build_hierarchy, grid_from_options
 from tetgan.grids.lattice import cube_lattice
 from tetgan.grids.options import GridOptions
 from tetgan.grids.tetfile import write_tet

@@ -7,11 +7,11 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from tetgan.geometry.tets import dihedral_angles, tet_volumes
 from tetgan.grids import hierarchy as module
-from tetgan.grids.grid import TetGrid, tet_volumes
+from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy, subdivide_hierarchy, upsampling_weights
 from tetgan.grids.lattice import cube_lattice
-from tetgan.meshing.quality import dihedral_angles
 
 # Stored fields and weights hang on these: a change here makes every result on disk useless.
 DIGESTS = {

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tetgan.errors import UserError
+from tetgan.geometry.tets import dihedral_angles
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy, subdivide_hierarchy
 from tetgan.grids.tetfile import read_tet, write_tet
-from tetgan.meshing.quality import dihedral_angles
 
 PAPERS_GRIDS = Path(__file__).parents[2] / ".." / "shared" / "grids"
 ONE_TET = "tet 4 1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 1 2 3\n"

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from tetgan.fields.field import Field
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.field import Field, vertex_operator
 from tetgan.grids.hierarchy import build_hierarchy
 
 

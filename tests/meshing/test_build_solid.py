@@ -9,10 +9,9 @@ import trimesh
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tetgan.fields.extract import extract_field
-from tetgan.fields.field import Field, VertexField
-from tetgan.fields.vertices import vertex_operator
-from tetgan.grids.grid import tet_volumes
+from tetgan.fields.extraction import extract_field
+from tetgan.fields.field import Field, VertexField, vertex_operator
+from tetgan.geometry.tets import tet_volumes
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.filtering import filter_occupancy

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tetgan.grids.hierarchy import build_hierarchy
-from tetgan.meshing.ambient import ambient_space
+from tetgan.meshing.collared_grid import collared_grid
 from tetgan.meshing.components import count_cavities, drop_small_pieces
 from tetgan.meshing.occupancy import valid_solid
 from tetgan.meshing.options import MeshingOptions
@@ -22,7 +22,7 @@ def balls():
 @pytest.mark.parametrize("joined_by", ["faces", "vertices"])
 def test_only_pieces_below_the_least_volume_go(balls, joined_by):
     grid, large, small = balls
-    ambient, volume = ambient_space(grid), grid.volumes[small].sum()
+    ambient, volume = collared_grid(grid), grid.volumes[small].sum()
     both = ambient.with_collar(large | small)
     kept = drop_small_pieces(both, ambient, volume * (1 - 1e-9), joined_by=joined_by)
     np.testing.assert_array_equal(kept.occupancy, both)
@@ -33,14 +33,14 @@ def test_only_pieces_below_the_least_volume_go(balls, joined_by):
 
 def test_the_largest_piece_stays_in_any_case(balls):
     grid, large, small = balls
-    ambient = ambient_space(grid)
+    ambient = collared_grid(grid)
     left = drop_small_pieces(ambient.with_collar(large | small), ambient, 1.0, joined_by="faces").occupancy
     np.testing.assert_array_equal(left, ambient.with_collar(large))
 
 
 def test_voids_are_counted_and_what_is_open_is_none(balls):
     grid, large, small = balls
-    ambient = ambient_space(grid)
+    ambient = collared_grid(grid)
     full = np.ones(len(grid.tets), dtype=bool)
     assert count_cavities(ambient.with_collar(full), ambient) == 0
     assert count_cavities(ambient.with_collar(~small & ~large), ambient) == 2

@@ -5,12 +5,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tetgan.grids.adjacency import boundary_faces
-from tetgan.grids.grid import tet_volumes
-from tetgan.meshing.ambient import ambient_space
+from tetgan.geometry.adjacency import boundary_faces
+from tetgan.geometry.tets import dihedral_angles, orientations, tet_volumes
+from tetgan.meshing.collared_grid import collared_grid
 from tetgan.meshing.injective import move_boundary
-from tetgan.meshing.orientation import orientations
-from tetgan.meshing.quality import dihedral_angles
 
 constant_fixtures = settings(
     max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
@@ -19,7 +17,7 @@ constant_fixtures = settings(
 
 @pytest.fixture(scope="module")
 def ambient(fine_grid):
-    return ambient_space(fine_grid)
+    return collared_grid(fine_grid)
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +72,7 @@ def test_what_is_far_from_the_boundary_stays(ambient, ball):
 
 
 def test_vertices_at_the_wall_of_the_cube_may_move(fine_grid):
-    ambient = ambient_space(fine_grid)
+    ambient = collared_grid(fine_grid)
     full = ambient.with_collar(np.ones(len(fine_grid.tets), dtype=bool))
     boundary = np.unique(boundary_faces(fine_grid.tets))
     wanted = 0.5 + (ambient.vertices[boundary] - 0.5) * 1.04

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tetgan.grids.adjacency import boundary_faces
-from tetgan.meshing.ambient import ambient_space
-from tetgan.meshing.boundary import Boundary
+from tetgan.geometry.adjacency import boundary_faces
+from tetgan.geometry.boundary import Boundary
+from tetgan.meshing.collared_grid import collared_grid
 from tetgan.meshing.manifold import boundary_defects, make_manifold
 
 constant_fixtures = settings(
@@ -19,7 +19,7 @@ constant_fixtures = settings(
 
 @pytest.fixture(scope="module")
 def ambient(grid):
-    return ambient_space(grid)
+    return collared_grid(grid)
 
 
 def is_manifold(occupancy, ambient):

@@ -6,7 +6,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tetgan.meshing.marching import mise, voxel_surface
-from tetgan.meshing.records import surface_record
+from tetgan.solids.record import surface_record
 
 
 def sphere(points, radius=0.35):

@@ -5,16 +5,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tetgan.grids.adjacency import boundary_faces
-from tetgan.meshing.ambient import ambient_space
-from tetgan.meshing.boundary import Boundary
+from tetgan.geometry.adjacency import boundary_faces
+from tetgan.geometry.boundary import Boundary
+from tetgan.geometry.tets import dihedral_angles, orientations
+from tetgan.meshing.collared_grid import collared_grid
 from tetgan.meshing.components import label_by_faces
 from tetgan.meshing.manifold import boundary_defects
 from tetgan.meshing.occupancy import valid_solid
 from tetgan.meshing.opening import open_pinches
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.orientation import orientations
-from tetgan.meshing.quality import dihedral_angles
 
 constant_fixtures = settings(
     max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
@@ -23,7 +22,7 @@ constant_fixtures = settings(
 
 @pytest.fixture(scope="module")
 def ambient(fine_grid):
-    return ambient_space(fine_grid)
+    return collared_grid(fine_grid)
 
 
 def open_all(occupancy, ambient, min_dihedral=15.0):
@@ -122,7 +121,7 @@ def test_voids_that_touch_are_parted_or_joined(ambient, corners):
 @given(seed=st.integers(0, 2**32 - 1), share=st.floats(0.02, 0.98))
 @constant_fixtures
 def test_noise_keeps_its_tets_and_loses_defects(seed, share, grid):
-    ambient = ambient_space(grid)
+    ambient = collared_grid(grid)
     noise = ambient.with_collar(np.random.default_rng(seed).random(ambient.grid_tets) < share)
     before = boundary_defects(noise, ambient).sum()
     opened, left = open_all(noise, ambient)
@@ -137,7 +136,7 @@ def test_noise_keeps_its_tets_and_loses_defects(seed, share, grid):
 
 
 def test_components_are_kept_track_of(grid):
-    ambient = ambient_space(grid)
+    ambient = collared_grid(grid)
     noise = ambient.with_collar(np.random.default_rng(1).random(ambient.grid_tets) < 0.2)
     opened, _ = open_all(noise, ambient)
     tets = np.flatnonzero(opened.occupancy)
@@ -147,7 +146,7 @@ def test_components_are_kept_track_of(grid):
 
 
 def test_the_same_occupancy_gives_the_same_bits(grid):
-    ambient = ambient_space(grid)
+    ambient = collared_grid(grid)
     noise = ambient.with_collar(np.random.default_rng(2).random(ambient.grid_tets) < 0.4)
     one, other = (open_all(noise, ambient)[0] for _ in range(2))
     assert one.space.vertices.tobytes() == other.space.vertices.tobytes()

@@ -8,18 +8,18 @@ import pytest
 import trimesh
 
 from tetgan.errors import UserError
-from tetgan.meshing.export import write_surface
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.meshing.marching import voxel_surface
-from tetgan.meshing.records import surface_record
 from tetgan.meshing.simplify import simplify_samples
 from tetgan.shapes.isolation import SimplifyWorker
 from tetgan.shapes.options import SimplifyOptions
-from tetgan.shapes.soup import Soup
+from tetgan.solids.export import write_surface
+from tetgan.solids.record import surface_record
 
 
 def ball(subdivisions):
     mesh = trimesh.creation.icosphere(subdivisions=subdivisions, radius=0.4)
-    return Soup(np.array(mesh.vertices) + 0.5, np.array(mesh.faces, dtype=np.int64))
+    return TriangleMesh(np.array(mesh.vertices) + 0.5, np.array(mesh.faces, dtype=np.int64))
 
 
 @pytest.fixture(scope="module")

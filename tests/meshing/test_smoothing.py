@@ -5,7 +5,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tetgan.grids.adjacency import boundary_faces
+from tetgan.geometry.adjacency import boundary_faces
 from tetgan.meshing.smoothing import smooth_vertices
 
 TRIANGLE = np.array([[0, 1, 2]])

@@ -6,12 +6,11 @@ import meshio
 import numpy as np
 import trimesh
 
-from tetgan.fields.field import Field
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.field import Field, vertex_operator
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.records import quality_record
 from tetgan.meshing.samples import write_solids
+from tetgan.solids.record import quality_record
 
 
 def test_each_field_gets_three_files_and_a_row(tmp_path, grid, operator, make_field):

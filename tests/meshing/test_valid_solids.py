@@ -10,14 +10,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy import ndimage
 
-from tetgan.fields.extract import extract_field
-from tetgan.fields.field import Field, VertexField, surface_tets
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.extraction import extract_field
+from tetgan.fields.field import Field, VertexField, surface_tets, vertex_operator
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
-from tetgan.meshing.certificate import certify
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.solid import SolidChanges
+from tetgan.solids.certificate import certify
+from tetgan.solids.solid import SolidChanges
 
 SOLID, PAPER = MeshingOptions(), MeshingOptions(mode="paper")
 constant_fixtures = settings(

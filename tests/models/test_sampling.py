@@ -6,9 +6,11 @@ import torch
 
 from tetgan.errors import UserError
 from tetgan.grids.hierarchy import build_hierarchy
-from tetgan.models.measures import occupancy_iou
-from tetgan.models.options import PcaOptions, RepresentationOptions, TetganOptions
-from tetgan.models.registry import WEIGHTS, build_generator, load_generator, save_generator
+from tetgan.methods.pca.options import PcaOptions
+from tetgan.methods.representation.options import RepresentationOptions
+from tetgan.methods.tetgan.options import TetganOptions
+from tetgan.models.files import WEIGHTS, build_generator, load_generator, save_generator
+from tetgan.models.iou import occupancy_iou
 from tetgan.models.sampling import generate_fields, reconstruct_fields
 
 OPTIONS = [

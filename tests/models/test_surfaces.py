@@ -11,10 +11,12 @@ import trimesh
 from tetgan.fields.options import PointOptions, VoxelOptions
 from tetgan.fields.samplings import PointStore, VoxelStore, index_samplings, sample_shard
 from tetgan.meshing.options import MeshingOptions
+from tetgan.methods.occnet.options import OccNetOptions
+from tetgan.methods.shapegan.options import ShapeGanOptions
+from tetgan.methods.shapegan_vae.options import ShapeGanVaeOptions
 from tetgan.models import samples
-from tetgan.models.baselines.implicit import ImplicitGenerator, VoxelGenerator
-from tetgan.models.options import OccNetOptions, ShapeGanOptions, ShapeGanVaeOptions
-from tetgan.models.registry import build_surface_model, save_generator
+from tetgan.models.files import build_surface_model, save_generator
+from tetgan.models.generator import ImplicitGenerator, VoxelGenerator
 from tetgan.models.samples import write_samples
 from tetgan.models.surfaces import (
     Extraction,

@@ -4,8 +4,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 
-from tetgan.rendering.curves import draw_curves
-from tetgan.rendering.style import COLORS, line_styles, save_plot
+from tetgan.rendering.plots import COLORS, draw_curves, line_styles, save_plot
 
 
 def log_of(model: str, seed: int, **columns) -> pd.DataFrame:

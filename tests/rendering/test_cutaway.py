@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from tetgan.rendering.cutaway import cut_solid
+from tetgan.rendering.meshes import cut_solid
 from tetgan.rendering.raycast import STEEL, render_mesh
 
 # A unit cube as six tets around its diagonal (Kuhn), positively oriented.

@@ -9,7 +9,7 @@ from jinja2.sandbox import SandboxedEnvironment
 from PIL import Image
 
 from tetgan.config import TABLES
-from tetgan.report import captions
+from tetgan.report import markup as captions
 from tetgan.report.figures import read_figures
 from tetgan.report.tables import read_tables
 

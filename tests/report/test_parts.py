@@ -10,9 +10,8 @@ from made_up import write_text
 from PIL import Image
 
 from tetgan.errors import UserError
-from tetgan.report.captions import read_caption
 from tetgan.report.figures import fit_pictures, read_figures
-from tetgan.report.markup import cell_text, markdown_html, table_html
+from tetgan.report.markup import cell_text, markdown_html, read_caption, table_html
 from tetgan.report.provenance import (
     code_commit,
     machine,

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tetgan.errors import UserError
-from tetgan.meshing.quality import dihedral_angles, radius_ratios
+from tetgan.geometry.tets import dihedral_angles, radius_ratios
 from tetgan.report.solids import REGULAR_DIHEDRAL, find_sample_sets, pack_sets, pack_solid
 
 

@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from tetgan.errors import UserError
-from tetgan.shapes.builtin.flaws import FLAWED_SHARE, damage_parts
-from tetgan.shapes.builtin.generate import CATEGORIES, MAKERS, generate_shape
+from tetgan.shapes.builtin.generate import CATEGORIES, FLAWED_SHARE, MAKERS, damage_parts, generate_shape
 from tetgan.shapes.builtin.parts import join_parts
 
 # Chamfer distance of two samples of one surface, 10,000 points each, in the unit cube.

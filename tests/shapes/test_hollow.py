@@ -4,22 +4,22 @@ import numpy as np
 import pytest
 from soups import box, join, lathe
 
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.hollow import find_hollow, hollow_voxels
-from tetgan.shapes.soup import Soup
 
 _SHEET = 0.01
 
 
-def _cavity(outer: Soup, inner: Soup) -> Soup:
+def _cavity(outer: TriangleMesh, inner: TriangleMesh) -> TriangleMesh:
     """The solid between two closed surfaces."""
-    return join(outer, Soup(inner.vertices, inner.faces[:, ::-1]))
+    return join(outer, TriangleMesh(inner.vertices, inner.faces[:, ::-1]))
 
 
-def _volume(soup: Soup) -> float:
+def _volume(soup: TriangleMesh) -> float:
     return float(np.linalg.det(soup.triangles).sum() / 6)
 
 
-def _cup(wall: float, opening: float, depth: float = 1.0) -> Soup:
+def _cup(wall: float, opening: float, depth: float = 1.0) -> TriangleMesh:
     """Closed surface of a jar of radius 0.5 standing open at the top, with walls of a thickness."""
     inner = 0.5 - wall
     profile = [(1e-6, 0.0), (0.5, 0.0), (0.5, depth), (opening, depth), (opening, depth - wall)]

@@ -8,18 +8,19 @@ import numpy as np
 import pytest
 from soups import box
 
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.options import RepairOptions
-from tetgan.shapes.soup import ShapeError, Soup
 
 _SECONDS = 0.5
 
 
-def _order(number: int) -> Soup:
+def _order(number: int) -> TriangleMesh:
     soup = box()
     vertices = soup.vertices.copy()
     vertices[0, 0] = number
-    return Soup(vertices, soup.faces)
+    return TriangleMesh(vertices, soup.faces)
 
 
 @pytest.fixture(scope="module")
@@ -62,7 +63,7 @@ def test_the_child_lives_on_from_mesh_to_mesh(worker: RepairWorker) -> None:
 
 
 def test_a_large_mesh_passes_through_whole() -> None:
-    soup = Soup(np.random.default_rng(0).random((200_000, 3)), np.arange(199_998).reshape(-1, 3))
+    soup = TriangleMesh(np.random.default_rng(0).random((200_000, 3)), np.arange(199_998).reshape(-1, 3))
     program = (sys.executable, str(Path(__file__).with_name("fake_worker.py")), "60")
     with RepairWorker(RepairOptions(), program) as worker:
         returned = worker.repair(soup)

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from soups import box, write_off
 
 from tetgan.shapes import loading
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.loading import MESH_SUFFIXES, parse_mesh, read_file, read_zip_member
-from tetgan.shapes.soup import ShapeError
 
 
 @pytest.mark.parametrize("suffix", sorted(MESH_SUFFIXES))

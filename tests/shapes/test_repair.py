@@ -7,10 +7,11 @@ import pytest
 from soups import box, join, lathe, without_side
 from test_soup import BROKEN, REASONS
 
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.options import RepairOptions
 from tetgan.shapes.repair import check_solid, repair_shape
-from tetgan.shapes.soup import ShapeError, Soup
 
 _OPTIONS = {
     "alpha_wrap": RepairOptions(method="alpha_wrap", alpha=0.06, offset=0.005),
@@ -27,11 +28,11 @@ def repairer(request) -> Iterator[tuple[RepairWorker, RepairOptions]]:
         yield worker, options
 
 
-def _flip(soup: Soup, mask: np.ndarray) -> Soup:
-    return Soup(soup.vertices, np.where(mask[:, None], soup.faces[:, ::-1], soup.faces))
+def _flip(soup: TriangleMesh, mask: np.ndarray) -> TriangleMesh:
+    return TriangleMesh(soup.vertices, np.where(mask[:, None], soup.faces[:, ::-1], soup.faces))
 
 
-def _flaws() -> dict[str, Soup]:
+def _flaws() -> dict[str, TriangleMesh]:
     cube = box()
     some = np.arange(12) % 3 == 0
     return {
@@ -39,7 +40,7 @@ def _flaws() -> dict[str, Soup]:
         "inside out": _flip(cube, np.ones(12, dtype=bool)),
         "some faces flipped": _flip(cube, some),
         "doubled": join(cube, _flip(cube, some)),
-        "no shared corners": Soup(cube.triangles.reshape(-1, 3), np.arange(36).reshape(-1, 3)),
+        "no shared corners": TriangleMesh(cube.triangles.reshape(-1, 3), np.arange(36).reshape(-1, 3)),
         "double walls": join(cube, box(size=(0.8, 0.8, 0.8))),
         "overlapping parts": join(
             box(size=(1, 1, 0.6), centre=(0, 0, -0.2)), box(size=(1, 1, 0.6), centre=(0, 0, 0.2))
@@ -106,11 +107,11 @@ def test_no_broken_shape_reaches_the_libraries(monkeypatch, name: str) -> None:
     [
         (without_side(box(), 1, 1), "not watertight"),
         (_flip(box(), np.ones(12, dtype=bool)), "no volume"),
-        (Soup(np.full((8, 3), np.nan), box().faces), "no finite surface"),
-        (Soup(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)), "no finite surface"),
+        (TriangleMesh(np.full((8, 3), np.nan), box().faces), "no finite surface"),
+        (TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)), "no finite surface"),
     ],
 )
-def test_what_comes_back_is_checked(returned: Soup, reason: str) -> None:
+def test_what_comes_back_is_checked(returned: TriangleMesh, reason: str) -> None:
     with pytest.raises(ShapeError, match=reason):
         check_solid(returned)
 

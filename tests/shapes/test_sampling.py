@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from soups import box, join, without_side
 
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.sampling import sample_exterior, sample_surface
-from tetgan.shapes.soup import Soup
 
 _LEVEL = 1e-9  # points are convex combinations of corners of size 1
 
@@ -84,6 +84,6 @@ def test_the_inside_of_an_open_box_can_be_seen() -> None:
 def test_a_shape_that_hides_everything_is_an_error_not_a_loop() -> None:
     tiny = box(size=(1e-3, 1e-3, 1e-3))
     hidden = join(*(box(size=(s, s, s)) for s in np.linspace(0.5, 0.999, 100)), tiny)
-    soup = Soup(hidden.vertices, hidden.faces)
+    soup = TriangleMesh(hidden.vertices, hidden.faces)
     with pytest.raises(ValueError, match="seen from outside"):
         sample_exterior(soup.vertices, soup.faces, 1000, seed=0)

@@ -9,6 +9,7 @@ import pytest
 from soups import box, write_off
 
 from tetgan.errors import UserError
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.options import (
     BuiltinSource,
     CosegSource,
@@ -17,7 +18,6 @@ from tetgan.shapes.options import (
     ShapeNetSource,
     SweetHome3DSource,
 )
-from tetgan.shapes.soup import ShapeError
 from tetgan.shapes.sources import digest_shape, list_shapes, load_shape
 
 _OBJ = b"v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 3\nf 1 2 3\nf 1 3 4\nf 1 4 2\nf 2 4 3\n"

@@ -3,9 +3,8 @@ from collections import Counter
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.shapes.entries import ShapeEntry
+from tetgan.shapes.entries import ShapeEntry, assign_splits
 from tetgan.shapes.options import SplitOptions
-from tetgan.shapes.splits import assign_splits
 
 
 def _entries(count: int, split: str | None = None, prefix: str = "s") -> list[ShapeEntry]:

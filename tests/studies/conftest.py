@@ -6,16 +6,15 @@ import numpy as np
 import pytest
 import trimesh
 
-from tetgan.fields.extract import extract_field
-from tetgan.fields.shard import write_shard
-from tetgan.fields.store import FieldStore, index_fields
+from tetgan.fields.extraction import extract_field
+from tetgan.fields.store import FieldStore, index_fields, write_shard
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.grids.options import GridOptions
-from tetgan.models.baselines.pca import PcaGenerator
-from tetgan.models.options import PcaOptions
-from tetgan.models.registry import save_generator
+from tetgan.methods.pca.network import PcaGenerator
+from tetgan.methods.pca.options import PcaOptions
+from tetgan.models.files import save_generator
 from tetgan.shapes.archive import write_meshes
-from tetgan.studies.torus import Torus
+from tetgan.studies.resolution.torus import Torus
 
 Mesh = tuple[np.ndarray, np.ndarray]
 HIERARCHY = build_hierarchy(1, 2)

@@ -12,10 +12,10 @@ from PIL import Image
 
 from tetgan.meshing.options import MeshingOptions
 from tetgan.models.samples import write_samples
-from tetgan.studies.arithmetic import write_arithmetic
-from tetgan.studies.figure_options import LatentOptions, NearestOptions
-from tetgan.studies.interpolation import write_interpolations
-from tetgan.studies.nearest import write_nearest
+from tetgan.studies.latent.arithmetic import write_arithmetic
+from tetgan.studies.latent.interpolation import write_interpolations
+from tetgan.studies.latent.nearest import write_nearest
+from tetgan.studies.options import LatentOptions, NearestOptions
 
 SCRIPTS = Path(__file__).parent.parent.parent / "workflow" / "scripts"
 LATENT = LatentOptions(pairs=1, steps=3, triples=1, points=300)

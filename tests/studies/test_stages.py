@@ -6,17 +6,16 @@ import pytest
 import trimesh
 
 from tetgan.errors import UserError
-from tetgan.evaluation.surfaces import Surface
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.field import vertex_operator
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.meshing.build import build_solid
-from tetgan.meshing.export import write_surface
 from tetgan.meshing.options import MeshingOptions
-from tetgan.models.registry import load_generator
+from tetgan.models.files import load_generator
 from tetgan.models.sampling import reconstruct_fields
-from tetgan.studies.arithmetic import write_arithmetic
-from tetgan.studies.changes import changed_faces
-from tetgan.studies.figure_options import LatentOptions
-from tetgan.studies.interpolation import write_interpolations
+from tetgan.solids.export import write_surface
+from tetgan.studies.latent.arithmetic import changed_faces, write_arithmetic
+from tetgan.studies.latent.interpolation import write_interpolations
+from tetgan.studies.options import LatentOptions
 
 OPTIONS = LatentOptions(pairs=1, steps=3, triples=1, points=500)
 
@@ -97,8 +96,8 @@ def test_a_shape_that_is_not_there_is_named(project, model, tmp_path):
 def test_faces_beyond_the_threshold_have_changed():
     # The unit square as two triangles, and a copy of one of them 0.1 above: their centres are 0.1 away.
     vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0.0]])
-    square = Surface(vertices, np.array([[0, 1, 2], [0, 2, 3]]))
-    raised = Surface(vertices + np.array([0, 0, 0.1]), np.array([[0, 1, 2]]))
+    square = TriangleMesh(vertices, np.array([[0, 1, 2], [0, 2, 3]]))
+    raised = TriangleMesh(vertices + np.array([0, 0, 0.1]), np.array([[0, 1, 2]]))
     assert changed_faces(raised, square, 0.09).tolist() == [True]
     assert changed_faces(raised, square, 0.11).tolist() == [False]
     # The centre (1/3, 2/3) of the other triangle is 1/(3 sqrt 2) = 0.24 from the diagonal, sideways.

@@ -14,11 +14,11 @@ from worked_example import CONFIG, MODULE, write_module
 from tetgan.cli.app import app
 from tetgan.config import Config, load_config, schema_text
 from tetgan.errors import UserError
-from tetgan.models import kinds
-from tetgan.models.kinds import ModelOptions, find_kind, load_plugins
+from tetgan.models import registry
+from tetgan.models.registry import ModelOptions, find_method, load_plugins
 from tetgan.options import parse_options
-from tetgan.training.kind_trainer import KindTrainer
-from tetgan.training.kinds import training_class
+from tetgan.training.loop import KindTrainer
+from tetgan.training.options import training_class
 from tetgan.training.run import train_model
 
 NAME = "my_models.linear"
@@ -31,7 +31,7 @@ def folder(tmp_path, monkeypatch) -> Path:
     """Holds the module, is on the path, and is forgotten with all kinds that came of it."""
     write_module(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setattr(kinds, "_loaded", dict(kinds._loaded))
+    monkeypatch.setattr(registry, "_loaded", dict(registry._loaded))
     yield tmp_path
     for name in ("my_models", NAME):
         sys.modules.pop(name, None)
@@ -79,9 +79,7 @@ def test_a_mistake_in_it_is_one_line_naming_the_key():
 
 
 def test_without_the_module_the_kind_is_unknown():
-    with pytest.raises(
-        UserError, match=r"models.linear.kind: 'linear' is no kind of model; there are deftet, "
-    ):
+    with pytest.raises(UserError, match=r"models.linear.kind: 'linear' is no method; there are deftet, "):
         load_config(laid_over_the_default(plugins=[]))
 
 
@@ -94,13 +92,13 @@ def test_the_schema_knows_the_kind_once_the_module_is_named():
 def test_naming_a_module_twice_is_no_clash_but_another_of_the_same_kind_is(folder):
     load_plugins([NAME, NAME])
     (folder / "my_models" / "other.py").write_text(MODULE)
-    with pytest.raises(UserError, match=r"my_models.other: there is a kind 'linear' already"):
+    with pytest.raises(UserError, match=r"my_models.other: there is a method 'linear' already"):
         load_plugins(["my_models.other"])
 
 
 def test_a_kind_of_this_package_cannot_be_replaced(folder):
     (folder / "my_models" / "fake.py").write_text(MODULE.replace('"linear"', '"pca"'))
-    with pytest.raises(UserError, match="there is a kind 'pca' already"):
+    with pytest.raises(UserError, match="there is a method 'pca' already"):
         load_plugins(["my_models.fake"])
 
 
@@ -115,14 +113,14 @@ def declare(folder: Path, entry: str) -> None:
     about = folder / "my_models-1.0.dist-info"
     about.mkdir()
     (about / "METADATA").write_text("Metadata-Version: 2.1\nName: my-models\nVersion: 1.0\n")
-    (about / "entry_points.txt").write_text(f"[tetgan.models]\n{entry}\n")
+    (about / "entry_points.txt").write_text(f"[tetgan.methods]\n{entry}\n")
     importlib.invalidate_caches()
 
 
 def test_an_installed_package_needs_no_naming(folder):
-    declare(folder, f"linear = {NAME}:KIND")
+    declare(folder, f"linear = {NAME}:METHOD")
     with pytest.raises(UserError, match="deftet, linear, occnet"):
-        find_kind("magic")
+        find_method("magic")
     assert NAME not in sys.modules  # it is imported only when it is asked for
     assert load_config(laid_over_the_default(plugins=[]))["models"]["linear"]["code"] == 16
 
@@ -130,17 +128,17 @@ def test_an_installed_package_needs_no_naming(folder):
 @pytest.mark.parametrize(
     ("entry", "words"),
     [
-        ("linear = my_models.absent:KIND", "No module named 'my_models.absent'"),
+        ("linear = my_models.absent:METHOD", "No module named 'my_models.absent'"),
         (f"linear = {NAME}:OTHER", "OTHER"),
-        (f"linear = {NAME}:LinearOptions", "no ModelKind of that name"),
-        (f"curved = {NAME}:KIND", "no ModelKind of that name"),
+        (f"linear = {NAME}:LinearOptions", "no Method of that name"),
+        (f"curved = {NAME}:METHOD", "no Method of that name"),
     ],
 )
 def test_a_broken_entry_point_is_named(folder, entry, words):
     declare(folder, entry)
     name = entry.split()[0]
-    with pytest.raises(UserError, match=f"entry point {name} of tetgan.models: .*{words}"):
-        find_kind(name)
+    with pytest.raises(UserError, match=f"entry point {name} of tetgan.methods: .*{words}"):
+        find_method(name)
 
 
 def test_it_learns_and_logs(index, tmp_path):

@@ -10,7 +10,7 @@ import pytest
 import torch
 from safetensors.torch import load_file
 
-from tetgan.models.options import TetganOptions
+from tetgan.methods.tetgan.options import TetganOptions
 from tetgan.training import processes
 from tetgan.training.processes import own_rows, shares
 

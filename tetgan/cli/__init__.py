@@ -6,18 +6,16 @@ Heavy libraries are imported inside the commands, so that `--help` answers at on
 import logging
 import sys
 
+from tetgan.cli import data as data
+from tetgan.cli import evaluation as evaluation
+from tetgan.cli import models as models
+from tetgan.cli import simulation as simulation
+from tetgan.cli import solids as solids
+from tetgan.cli import studies as studies
+from tetgan.cli import tables as tables
 from tetgan.cli.app import app
 from tetgan.errors import UserError
 
-# In the order in which `--help` shows them.
-# isort: off
-from tetgan.cli import data as data
-from tetgan.cli import models as models
-from tetgan.cli import solids as solids
-from tetgan.cli import evaluation as evaluation
-from tetgan.cli import tables as tables
-from tetgan.cli import studies as studies
-from tetgan.cli import simulation as simulation
 # isort: on
 
 

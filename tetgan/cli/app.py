@@ -29,18 +29,25 @@ def load_models(
         ),
     ] = None,
 ) -> None:
-    from tetgan.models.kinds import load_plugins
+    from tetgan.models.registry import load_plugins
 
     load_plugins(plugin or [])
 
 
 OptionsText = Annotated[str, typer.Option(help="Options as JSON, or the path of a YAML or JSON file.")]
+
 Category = Annotated[str, typer.Option(help="Category, such as chair.")]
+
 Seed = Annotated[int, typer.Option(min=0, help="Seed of every random choice.")]
+
 Threads = Annotated[int, typer.Option(min=1, help="Processor cores to use.")]
+
 Metrics = Annotated[list[Path], typer.Argument(help="Metrics (.json) of models and of real shapes.")]
+
 TableOut = Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")]
+
 Paper = Annotated[Path, typer.Option(help="The paper's published figures (.csv).")]
+
 Margin = Annotated[float, typer.Option(min=0, max=0.49, help="Empty share of the cube on either side.")]
 
 
@@ -75,7 +82,7 @@ def split_ids(text: str, count: int, name: str) -> Any:
 def use_threads(count: int) -> None:
     import torch
 
-    from tetgan.training.memory import keep_freed_memory
+    from tetgan.nn.device import keep_freed_memory
 
     keep_freed_memory()
     torch.set_num_threads(count)

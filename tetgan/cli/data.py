@@ -96,7 +96,7 @@ def fields(
     Example: `tetgan fields chairs.zip chairs.zarr.zip --grid '{cells: 2, depth: 2}'`
     """
     limit_libigl(threads)
-    from tetgan.fields.shards import extract_shard
+    from tetgan.fields.extraction import extract_shard
     from tetgan.grids.options import GridOptions
 
     extract_shard(meshes, out, read_options(GridOptions, grid, "--grid"))

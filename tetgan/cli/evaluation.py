@@ -111,8 +111,8 @@ def evaluate(
     Example: `tetgan evaluate my/samples my/chairs --out report.json --extractor results/extractor`
     """
     limit_libigl(threads)
-    from tetgan.evaluation.folders import evaluate_folders
     from tetgan.evaluation.options import EvaluationOptions
+    from tetgan.tables.folders import evaluate_folders
 
     use_threads(threads)
     evaluate_folders(

@@ -8,6 +8,7 @@ import typer
 from tetgan.cli.app import OptionsText, Seed, Threads, app, read_options, read_plain, use_threads
 
 PANEL = "Models"
+
 CERTIFICATES = "*/certificate.csv"  # what a folder of samples holds
 
 
@@ -30,14 +31,14 @@ def train(
 
     Example: `tetgan train index.json model --model '{kind: tetgan, grid: LR, width: 16, code: 32}'`
     """
-    from tetgan.models.kinds import ModelOptions, kind_of
-    from tetgan.training.kinds import training_class
+    from tetgan.models.registry import ModelOptions, method_of
+    from tetgan.training.options import training_class
     from tetgan.training.processes import relaunch
     from tetgan.training.run import train_model
 
     chosen = read_options(ModelOptions, model, "--model")
     options = read_options(training_class(chosen), training, "--training")
-    if kind_of(chosen).shares_batches:
+    if method_of(chosen).shares_batches:
         relaunch(processes)
     use_threads(threads)
     train_model(index, chosen, options, seed, folder, of=of)
@@ -55,7 +56,7 @@ def extractor(
     Example: `tetgan extractor chair.npz sofa.npz extractor`
     """
     from tetgan.evaluation.extractor import train_extractor
-    from tetgan.training.extractor_options import ExtractorOptions
+    from tetgan.extractor.options import ExtractorOptions
 
     use_threads(threads)
     train_extractor(
@@ -92,7 +93,7 @@ def sample(
     """
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
-    from tetgan.models.packing import find_model, index_beside
+    from tetgan.models.pack import find_model, index_beside
     from tetgan.models.samples import write_samples
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")
@@ -113,7 +114,7 @@ def pack(
 
     Example: `tetgan pack results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json my-chairs`
     """
-    from tetgan.models.packing import pack_model
+    from tetgan.models.pack import pack_model
 
     pack_model(model, index, folder)
 

@@ -55,12 +55,12 @@ def simulate(
     from rich.table import Table
 
     from tetgan.files import check_suffix
-    from tetgan.rendering.style import FIGURES
-    from tetgan.studies.elasticity.figure import write_figure
-    from tetgan.studies.elasticity.options import LoadCase, Material, read_material
-    from tetgan.studies.elasticity.pieces import largest_piece
-    from tetgan.studies.simulation import BODIES, read_body, readable_record, write_simulation
-    from tetgan.studies.simulation import simulate as run
+    from tetgan.mechanics.figure import write_figure
+    from tetgan.mechanics.options import LoadCase, Material, read_material
+    from tetgan.mechanics.pieces import largest_piece
+    from tetgan.mechanics.simulation import BODIES, read_body, readable_record, write_simulation
+    from tetgan.mechanics.simulation import simulate as run
+    from tetgan.rendering.plots import FIGURES
 
     if out is not None:
         check_suffix(out, "a simulated mesh", *BODIES)
@@ -104,8 +104,8 @@ def simulation_study(
     Example: `tetgan simulation-study results/samples/table/tetgan-LR/0/solid study.csv
     --options '{samples: 50, remeshed: 5}'`
     """
-    from tetgan.studies.elasticity.options import SimulationOptions
-    from tetgan.studies.simulation_study import study_simulation
+    from tetgan.mechanics.options import SimulationOptions
+    from tetgan.mechanics.study import study_simulation
 
     chosen = read_options(SimulationOptions, options, "--options")
     study_simulation(samples, out, chosen, read_plain(identity, "--identity"))
@@ -120,6 +120,6 @@ def simulation_table(
 
     Example: `tetgan simulation-table studies/*.csv simulation.csv`
     """
-    from tetgan.studies.simulation_table import write_simulation_table
+    from tetgan.mechanics.table import write_simulation_table
 
     write_simulation_table(studies, out)

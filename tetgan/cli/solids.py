@@ -27,7 +27,7 @@ def certify(
     Example: `tetgan certify results/samples/chair/tetgan-LR/0/solid/wls/generated --out certificates`
     """
     limit_libigl(1)
-    from tetgan.meshing.certify_files import certify_files, verdict
+    from tetgan.solids.certify import certify_files, verdict
 
     found = certify_files(meshes, out)
     for one in found:
@@ -56,8 +56,8 @@ def export(
 
     Example: `tetgan export chair.vtu chair.msh chair.inp chair.stl`
     """
-    from tetgan.meshing.export import write_mesh
-    from tetgan.meshing.reading import read_solid
+    from tetgan.solids.export import write_mesh
+    from tetgan.solids.reading import read_solid
 
     solid = read_solid(mesh)
     for path in outputs:

@@ -37,8 +37,8 @@ def interpolate(
     """
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
-    from tetgan.studies.figure_options import LatentOptions
-    from tetgan.studies.interpolation import STEPS, write_interpolations
+    from tetgan.studies.latent.interpolation import STEPS, write_interpolations
+    from tetgan.studies.options import LatentOptions
 
     chosen = read_options(LatentOptions, options, "--options")
     shape = read_options(MeshingOptions, meshing, "--meshing")
@@ -68,8 +68,8 @@ def arithmetic(
     """
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
-    from tetgan.studies.arithmetic import TRIPLES, write_arithmetic
-    from tetgan.studies.figure_options import LatentOptions
+    from tetgan.studies.latent.arithmetic import TRIPLES, write_arithmetic
+    from tetgan.studies.options import LatentOptions
 
     chosen = read_options(LatentOptions, options, "--options")
     shape = read_options(MeshingOptions, meshing, "--meshing")
@@ -93,8 +93,8 @@ def nearest(
 
     Example: `tetgan nearest chairs.zip nearest.csv --catalogue catalogue.csv --samples samples`
     """
-    from tetgan.studies.figure_options import NearestOptions
-    from tetgan.studies.nearest import write_nearest
+    from tetgan.studies.latent.nearest import write_nearest
+    from tetgan.studies.options import NearestOptions
 
     chosen = read_options(NearestOptions, options, "--options")
     write_nearest(meshes, catalogue, out, samples=samples, options=chosen, threads=threads)
@@ -113,7 +113,7 @@ def resolution(
     """
     limit_libigl(threads)
     from tetgan.studies.options import ResolutionOptions
-    from tetgan.studies.resolution import study_resolution
+    from tetgan.studies.resolution.study import study_resolution
 
     study_resolution(read_options(ResolutionOptions, options, "--options"), table, figure)
 
@@ -141,7 +141,7 @@ def smoothing(
     from tetgan.evaluation.options import EvaluationOptions
     from tetgan.meshing.options import MeshingOptions
     from tetgan.studies.options import SmoothingOptions
-    from tetgan.studies.smoothing import study_smoothing
+    from tetgan.studies.smoothing.study import study_smoothing
 
     use_threads(threads)
     study_smoothing(
@@ -167,6 +167,6 @@ def smoothing_table(
 
     Example: `tetgan smoothing-table studies/chair/* smoothing.csv`
     """
-    from tetgan.studies.smoothing_table import write_smoothing_table
+    from tetgan.studies.smoothing.table import write_smoothing_table
 
     write_smoothing_table(studies, out)

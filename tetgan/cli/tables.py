@@ -21,7 +21,7 @@ def table(
 
     Example: `tetgan table results/metrics/chair/*/0/paper.json chair.csv --category chair --paper paper.csv`
     """
-    from tetgan.evaluation.tables import write_table
+    from tetgan.tables.category import write_table
 
     write_table(metrics, paper, category, out)
 
@@ -37,7 +37,7 @@ def supplement(
 
     Example: `tetgan supplement results/metrics/*/*/*/paper.json fid.csv --figure fid --paper paper.csv`
     """
-    from tetgan.evaluation.gathered.supplement import write_supplement
+    from tetgan.tables.supplement import write_supplement
 
     write_supplement(metrics, paper, figure, out)
 
@@ -48,7 +48,7 @@ def manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
 
     Example: `tetgan manifold results/metrics/*/*/*/paper.json manifold.csv --paper paper.csv`
     """
-    from tetgan.evaluation.gathered.manifold import write_manifold
+    from tetgan.tables.manifold import write_manifold
 
     write_manifold(metrics, paper, out)
 
@@ -65,7 +65,7 @@ def quality(
 
     Example: `tetgan quality results/samples/chair/tetgan-LR/0/* quality.csv --paper paper.csv`
     """
-    from tetgan.evaluation.gathered.quality import write_quality
+    from tetgan.tables.quality import write_quality
 
     write_quality(samples, paper, out)
 
@@ -80,7 +80,7 @@ def dataset(
 
     Example: `tetgan dataset results/data/*/catalogue.csv dataset.csv --paper paper.csv`
     """
-    from tetgan.evaluation.gathered.dataset import write_dataset
+    from tetgan.tables.dataset import write_dataset
 
     write_dataset(catalogues, paper, out)
 
@@ -97,7 +97,7 @@ def runtime(
 
     Example: `tetgan runtime results/metrics/*/*/*/paper.json runtime.csv --results results --paper paper.csv`
     """
-    from tetgan.evaluation.gathered.runtime import write_runtime
+    from tetgan.tables.runtime import write_runtime
 
     write_runtime(metrics, results, paper, shards, out)
 
@@ -116,7 +116,7 @@ def ablation(
 
     Example: `tetgan ablation full.json no-local.json ablation.csv --category chair --paper paper.csv`
     """
-    from tetgan.evaluation.ablation import write_ablation
+    from tetgan.tables.ablation import write_ablation
 
     write_ablation(metrics, paper, category, out, read_plain(changes, "--changes"))
 

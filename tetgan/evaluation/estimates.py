@@ -8,20 +8,27 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from tetgan.evaluation.coverage import set_measures
-from tetgan.evaluation.extrapolation import FEWEST, fid_infinity, fid_infinity_interval
-from tetgan.evaluation.frechet import fid, fid_interval, kid, kid_interval
+from tetgan.evaluation.coverage import TwoSets, bootstrap_measures, set_measures
+from tetgan.evaluation.fid import (
+    FEWEST,
+    fid,
+    fid_infinity,
+    fid_infinity_interval,
+    fid_interval,
+    kid,
+    kid_interval,
+)
 from tetgan.evaluation.intervals import bootstrap_mean, student_interval
 from tetgan.evaluation.jsd import jsd, jsd_interval
-from tetgan.evaluation.manifolds import feature_sets, precision_recall
 from tetgan.evaluation.options import EvaluationOptions
+from tetgan.evaluation.precision_recall import feature_sets, precision_recall
 from tetgan.evaluation.seeds import named_rng
-from tetgan.evaluation.twosets import TwoSets, bootstrap_measures
 
 SHARES = ("cov", "nna", "precision", "recall")
 """Metrics that cannot exceed 1, nor can their intervals."""
 
 FEATURE_METRICS = ("fid", "kid", "fid_infinity", "precision", "recall")
+
 SET_METRICS = ("mmd", "cov", "nna", "jsd")
 
 

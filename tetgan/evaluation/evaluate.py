@@ -13,20 +13,20 @@ from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
-from tetgan.evaluation.chamfer import SurfaceSample
-from tetgan.evaluation.features import about_extractor, cloud_features
+from tetgan.evaluation.chamfer import SurfaceSample, resampled_chamfer
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.originals import read_splits, repaired_meshes, training_cloud, training_clouds
-from tetgan.evaluation.pairwise import resampled_chamfer
 from tetgan.evaluation.reconstructions import Reconstruction, draw_truth, measure_reconstruction
-from tetgan.evaluation.samples import SOLID_METRICS, SampleFolder
 from tetgan.evaluation.sections import RealFeatures, RealSet, Section, draw_clouds, draw_real, draw_real_set
 from tetgan.evaluation.seeds import choose, named_seed
-from tetgan.evaluation.surfaces import Surface, Topology, draw_sample, measure_topology
+from tetgan.evaluation.surfaces import Topology, draw_sample, measure_topology
 from tetgan.evaluation.variety import pool_size
+from tetgan.extractor.features import about_extractor, cloud_features
+from tetgan.extractor.network import Classifier, load_classifier
 from tetgan.files import whole_file
-from tetgan.models.pointnet2 import Classifier, load_classifier
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.clouds import read_clouds
+from tetgan.solids.folder import SOLID_METRICS, SampleFolder
 
 SMOOTHINGS = ("none", "wls")
 """Folders of a model's samples: without, and with the weighted Laplacian smoothing of Eq. 4."""
@@ -193,14 +193,16 @@ def _measure_smoothing(
     return section
 
 
-def _read_generated(folder: SampleFolder) -> dict[str, Surface]:
+def _read_generated(folder: SampleFolder) -> dict[str, TriangleMesh]:
     """Generated shapes that have a surface, by id."""
     ids = track(folder.ids("generated"), "generated meshes", console=Console(stderr=True), transient=True)
     surfaces = ((shape_id, folder.surface("generated", shape_id)) for shape_id in ids)
     return {shape_id: surface for shape_id, surface in surfaces if surface is not None}
 
 
-def _samples_for_variety(generated: Mapping[str, Surface], options: EvaluationOptions) -> list[SurfaceSample]:
+def _samples_for_variety(
+    generated: Mapping[str, TriangleMesh], options: EvaluationOptions
+) -> list[SurfaceSample]:
     return [
         draw_sample(generated[shape_id], options.points, named_seed(options.seed, "generated", shape_id))
         for shape_id in choose(generated, pool_size(options.variety), options.seed, "variety")
@@ -208,7 +210,7 @@ def _samples_for_variety(generated: Mapping[str, Surface], options: EvaluationOp
 
 
 def _generated_clouds(
-    generated: Mapping[str, Surface], points: int, options: EvaluationOptions
+    generated: Mapping[str, TriangleMesh], points: int, options: EvaluationOptions
 ) -> Float[np.ndarray, "N P 3"]:
     """Points on as many generated surfaces, drawn at random, as features or sets need."""
     wanted = max(options.samples, options.sets.shapes)

@@ -8,14 +8,14 @@ import numpy as np
 import pandas as pd
 from jaxtyping import Float
 
-from tetgan.evaluation.features import cloud_features
-from tetgan.evaluation.frechet import fid, kid
+from tetgan.evaluation.fid import fid, kid
 from tetgan.evaluation.options import ExtractorOptions
 from tetgan.evaluation.seeds import named_rng
+from tetgan.extractor.features import cloud_features
+from tetgan.extractor.network import PointNet2, load_classifier
+from tetgan.extractor.training import train_classifier
 from tetgan.files import whole_file
-from tetgan.models.pointnet2 import PointNet2, load_classifier
 from tetgan.shapes.clouds import read_clouds
-from tetgan.training.classifier import train_classifier
 
 _log = logging.getLogger(__name__)
 

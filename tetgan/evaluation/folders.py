@@ -1,6 +1,5 @@
-"""Stage: two folders of meshes, from any system, measured against each other."""
+"""Two folders of meshes, from any system, measured against each other."""
 
-import json
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,44 +9,38 @@ from jaxtyping import Float
 
 from tetgan import __version__
 from tetgan.errors import UserError
-from tetgan.evaluation.chamfer import SurfaceSample
-from tetgan.evaluation.features import about_extractor, cloud_features
-from tetgan.evaluation.folder_report import render_report
-from tetgan.evaluation.frames import bounding_box, frame_notes
-from tetgan.evaluation.meshfolder import MeshFolder
+from tetgan.evaluation.chamfer import SurfaceSample, resampled_chamfer
+from tetgan.evaluation.meshfolder import MeshFolder, bounding_box, frame_notes
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.evaluation.pairwise import resampled_chamfer
 from tetgan.evaluation.reconstructions import Reconstruction, draw_truth, measure_reconstruction
 from tetgan.evaluation.sections import RealFeatures, Section, draw_real_set
 from tetgan.evaluation.seeds import choose, named_seed
 from tetgan.evaluation.surfaces import Topology, draw_sample, measure_topology
 from tetgan.evaluation.variety import pool_size
-from tetgan.files import whole_file
-from tetgan.models.pointnet2 import Classifier, load_classifier
+from tetgan.extractor.features import about_extractor, cloud_features
+from tetgan.extractor.network import Classifier, load_classifier
 from tetgan.nn.device import pick_device
 
 CLOUD_POINTS = 2048
 """Points a shape: features take the farthest of them, JSD counts them all. The workflow has as many."""
 
 
-def evaluate_folders(
+def measure_folders(
     samples: Path,
     reference: Path,
     *,
     options: EvaluationOptions,
-    out: Path,
     extractor: Path | None = None,
     reconstructions: Path | None = None,
     training: Path | None = None,
     fit: bool = False,
     threads: int = 1,
-) -> None:
+) -> dict[str, Any]:
     """Measure generated meshes against real ones, and one half of the real ones against the other.
 
     Args:
         samples, reference: folders of meshes (see `MeshFolder`).
         options: conventions; no more shapes are compared than the smaller folder has.
-        out: JSON to write; a report in Markdown stands beside it.
         extractor: folder of a trained classifier; without it there are no feature metrics.
         reconstructions: meshes named as those of the reference that they should be.
         training: what the generator learned from, for novelty.
@@ -57,8 +50,6 @@ def evaluate_folders(
     Raises:
         UserError: a folder with fewer than two usable meshes, or an input that is not what it should be.
     """
-    if out.suffix != ".json":
-        raise UserError(f"{out}: name a .json; the report for people is written beside it, as .md")
     classifier = load_classifier(extractor, pick_device("auto")) if extractor else None
     given = {
         "samples": samples,
@@ -76,7 +67,7 @@ def evaluate_folders(
     section = _compare(generated, halves, found, training=known, options=limited, threads=threads)
     section.add_reconstructions([pair.found for pair in pairs])
     section.notes += frame_notes(np.array(found.boxes), np.array(real.boxes))
-    report = {
+    return {
         **{name: str(path) if path else None for name, path in given.items()},
         "fitted": fit,
         "cloud_points": CLOUD_POINTS,
@@ -88,10 +79,6 @@ def evaluate_folders(
         "floor": _floor(halves, real, pairs, training=known, options=options, threads=threads),
         "problems": {path: why for folder in folders.values() for path, why in folder.problems.items()},
     }
-    with whole_file(out) as partial:
-        partial.write_text(json.dumps(report, indent=1) + "\n")
-    with whole_file(out.with_suffix(".md")) as partial:
-        partial.write_text(render_report(report))
 
 
 @dataclass

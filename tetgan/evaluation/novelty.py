@@ -13,17 +13,25 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.evaluation.chamfer import SurfaceSample, chamfer, estimate_chamfer
-from tetgan.evaluation.pairwise import chamfer_between, chamfer_selected
+from tetgan.evaluation.chamfer import (
+    SurfaceSample,
+    chamfer,
+    chamfer_between,
+    chamfer_selected,
+    estimate_chamfer,
+)
 
 # A quarter of the points costs a sixteenth and orders shapes nearly as all of them do: the nearest is among
 # so many candidates unless that many shapes are nearly as near, and then it makes no difference.
 _PART = 4
+
 _CANDIDATES = 24
+
 
 # Points of each surface by which far candidates are dismissed, round by round, and how many standard errors
 # a candidate must lie behind the best one to be so.
 _PROBES = (256, 2048)
+
 _ERRORS = 5.0
 
 

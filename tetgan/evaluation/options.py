@@ -4,8 +4,8 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
+from tetgan.extractor.options import ExtractorOptions
 from tetgan.options import Options
-from tetgan.training.extractor_options import ExtractorOptions
 
 __all__ = [
     "BootstrapOptions",

@@ -10,16 +10,17 @@ from rich.progress import track
 
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.seeds import named_seed
-from tetgan.evaluation.surfaces import Surface, draw_sample
+from tetgan.evaluation.surfaces import draw_sample
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.archive import read_meshes
 from tetgan.shapes.catalogue import read_catalogue
 
 
-def repaired_meshes(meshes: Sequence[Path]) -> Iterator[tuple[str, Surface]]:
+def repaired_meshes(meshes: Sequence[Path]) -> Iterator[tuple[str, TriangleMesh]]:
     """Id and surface of every mesh of the shards."""
     for path in track(meshes, "repaired meshes", console=Console(stderr=True), transient=True):
         for shape_id, vertices, faces in read_meshes(path):
-            yield shape_id, Surface(vertices, faces)
+            yield shape_id, TriangleMesh(vertices, faces)
 
 
 def read_splits(catalogue: Path) -> dict[str, str]:
@@ -29,7 +30,9 @@ def read_splits(catalogue: Path) -> dict[str, str]:
     return dict(zip(table["id"], table["split"], strict=True))
 
 
-def training_cloud(shape_id: str, surface: Surface, options: EvaluationOptions) -> Float[np.ndarray, "P 3"]:
+def training_cloud(
+    shape_id: str, surface: TriangleMesh, options: EvaluationOptions
+) -> Float[np.ndarray, "P 3"]:
     """Points of a training mesh, as many as sets are compared by."""
     seed = named_seed(options.seed, "training", shape_id)
     return draw_sample(surface, options.sets.points, seed).points

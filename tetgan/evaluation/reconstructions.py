@@ -1,12 +1,42 @@
 """One reconstruction beside its original."""
 
+from math import nan
 from typing import NamedTuple
+
+import igl
+import numpy as np
+from jaxtyping import Bool, Float
 
 from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample, compare_surfaces
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.seeds import named_seed
-from tetgan.evaluation.surfaces import Surface, Topology, draw_sample, measure_topology
-from tetgan.evaluation.volume import volume_iou
+from tetgan.evaluation.surfaces import Topology, draw_sample, measure_topology
+from tetgan.geometry.triangles import TriangleMesh
+
+
+def volume_iou(first: TriangleMesh, second: TriangleMesh, points: int, seed: int) -> float:
+    """Volume inside both surfaces over volume inside either; nan where neither has an inside.
+
+    Estimated from points uniform in the smallest box that holds both. Outside of it there is nothing of
+    either, so this is what points in the whole cube give, with fewer of them wasted. Mescheder et al. (2019),
+    supplement 1, ask the same of 100,000 points.
+    """
+    corners = np.concatenate([first.vertices, second.vertices])
+    low, high = corners.min(0), corners.max(0)
+    queries = low + (high - low) * np.random.default_rng(seed).random((points, 3))
+    in_first, in_second = contains(first, queries), contains(second, queries)
+    either = np.count_nonzero(in_first | in_second)
+    return np.count_nonzero(in_first & in_second) / either if either else nan
+
+
+def contains(surface: TriangleMesh, queries: Float[np.ndarray, "P 3"]) -> Bool[np.ndarray, "P"]:
+    """Points around which the surface winds more than half (Barill et al. 2018), whichever way it faces.
+
+    Surfaces with gaps have an inside, too.
+    """
+    vertices = np.ascontiguousarray(surface.vertices, np.float64)
+    faces = np.ascontiguousarray(surface.faces, np.int64)
+    return np.abs(igl.fast_winding_number(vertices, faces, queries)) > 0.5
 
 
 class Reconstruction(NamedTuple):
@@ -18,13 +48,17 @@ class Reconstruction(NamedTuple):
     topology: Topology
 
 
-def draw_truth(original: Surface, shape_id: str, options: EvaluationOptions) -> SurfaceSample:
+def draw_truth(original: TriangleMesh, shape_id: str, options: EvaluationOptions) -> SurfaceSample:
     """Points of an original, to be drawn once for all its reconstructions."""
     return draw_sample(original, options.points, named_seed(options.seed, "truth", shape_id))
 
 
 def measure_reconstruction(
-    surface: Surface, original: Surface, truth: SurfaceSample, shape_id: str, options: EvaluationOptions
+    surface: TriangleMesh,
+    original: TriangleMesh,
+    truth: SurfaceSample,
+    shape_id: str,
+    options: EvaluationOptions,
 ) -> Reconstruction:
     """Measure a surface against its original; `truth` as `draw_truth` gives it.
 

@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample
+from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample, chamfer_between, chamfer_within
+from tetgan.evaluation.coverage import two_sets
 from tetgan.evaluation.estimates import (
     FEATURE_METRICS,
     SET_METRICS,
@@ -18,16 +19,14 @@ from tetgan.evaluation.estimates import (
     repeats_estimate,
     set_estimates,
 )
-from tetgan.evaluation.features import cloud_features
 from tetgan.evaluation.novelty import nearest_training
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.evaluation.pairwise import chamfer_between, chamfer_within
 from tetgan.evaluation.reconstructions import Reconstruction
 from tetgan.evaluation.seeds import named_rng
 from tetgan.evaluation.surfaces import Topology
-from tetgan.evaluation.twosets import two_sets
 from tetgan.evaluation.variety import shapes_needed, variety
-from tetgan.models.pointnet2 import FEATURES, Classifier
+from tetgan.extractor.features import cloud_features
+from tetgan.extractor.network import FEATURES, Classifier
 
 
 class RealFeatures(NamedTuple):

@@ -1,46 +1,17 @@
-"""Surfaces from files, and what can be told of them without comparing."""
+"""Points on a surface, and how far it is from a closed manifold."""
 
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import trimesh
-from jaxtyping import Float, Int
+from jaxtyping import Int
 
-from tetgan.errors import UserError
 from tetgan.evaluation.chamfer import SurfaceSample
-from tetgan.grids.adjacency import unique_edges
+from tetgan.geometry.adjacency import unique_edges
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.sampling import sample_surface
 
 
-class Surface(NamedTuple):
-    """Triangles with indices into vertices."""
-
-    vertices: Float[np.ndarray, "V 3"]
-    faces: Int[np.ndarray, "F 3"]
-
-
-def read_surface(path: Path) -> Surface | None:
-    """The triangles of a file, exactly as stored; None when there is no file, no face, or no area.
-
-    A generated shape may be empty: that is a result to count, not an error.
-
-    Raises:
-        UserError: the file is damaged.
-    """
-    if not path.is_file():
-        return None
-    try:
-        mesh = trimesh.load_mesh(path, process=False)
-    except Exception as error:  # its parsers raise what they please
-        raise UserError(f"{path}: cannot be read as a mesh ({error}); remove it, or make it again") from None
-    faces = np.asarray(mesh.faces)
-    if not len(faces) or not mesh.area > 0:
-        return None
-    return Surface(np.asarray(mesh.vertices, dtype=np.float64), faces.astype(np.int64))
-
-
-def draw_sample(surface: Surface, points: int, seed: int) -> SurfaceSample:
+def draw_sample(surface: TriangleMesh, points: int, seed: int) -> SurfaceSample:
     """Area-uniform points and normals of a surface."""
     return SurfaceSample(*sample_surface(surface.vertices, surface.faces, points, seed))
 

@@ -8,11 +8,12 @@ from jaxtyping import Bool, Float, Int
 
 from tetgan.evaluation.chamfer import SurfaceSample, chamfer, estimate_chamfer
 from tetgan.evaluation.options import VarietyOptions
-from tetgan.evaluation.threads import map_threads
+from tetgan.progress import map_threads
 
 # Queries of an estimate, and how many of its standard errors an exact distance may lie away from it. Six let
 # fewer than one pair in a hundred million through.
 _PROBES = 1000
+
 _ERRORS = 6.0
 
 

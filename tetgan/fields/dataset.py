@@ -14,6 +14,7 @@ from tetgan.files import whole_file
 from tetgan.options import Options
 
 Split = Literal["train", "validation"]
+
 Shape_co = TypeVar("Shape_co", covariant=True)
 
 

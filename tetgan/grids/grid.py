@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.grids.adjacency import face_neighbors, unique_edges
+from tetgan.geometry.adjacency import face_neighbors, unique_edges
+from tetgan.geometry.tets import tet_volumes
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,9 +51,3 @@ class TetGrid:
             sha.update(str(array.shape).encode())
             sha.update(array.astype(kind).tobytes())
         return sha.hexdigest()
-
-
-def tet_volumes(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Float[np.ndarray, "T"]:
-    """Signed volume of each tet: det(v1-v0, v2-v0, v3-v0) / 6."""
-    a, b, c = np.moveaxis(vertices[tets[:, 1:]] - vertices[tets[:, :1]], 1, 0)
-    return np.einsum("ij,ij->i", a, np.cross(b, c)) / 6

@@ -8,15 +8,23 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.grids.adjacency import unique_edges
+from tetgan.errors import UserError
+from tetgan.geometry.adjacency import unique_edges
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.lattice import lattice_points
+from tetgan.grids.options import GridOptions
+from tetgan.grids.tetfile import read_tet
 
 # Local vertices of a tet whose edges are cut: corners 0-3, then the midpoints of 01 02 03 12 13 23.
 _CORNER_TETS = [[0, 4, 5, 6], [4, 1, 7, 8], [5, 7, 2, 9], [6, 8, 9, 3]]
+
+
 # The corner tets leave an octahedron: its diagonals, each with the four midpoints that turn around it.
 _DIAGONALS = [(4, 9), (5, 8), (6, 7)]
+
 _RINGS = [(5, 6, 8, 7), (4, 7, 9, 6), (4, 5, 9, 8)]
+
+
 # (diagonal, child, local vertex)
 _CHILDREN = np.array(
     [
@@ -24,6 +32,7 @@ _CHILDREN = np.array(
         for ends, ring in zip(_DIAGONALS, _RINGS, strict=True)
     ]
 )
+
 
 # Grids read from files are snapped to multiples of 1/630,000: coarser than the single-precision noise of
 # `.tet` files (0.8 stands there as 0.8000001), so equal lengths compare equal, and exact for decimals of four
@@ -128,3 +137,18 @@ def _shortest_diagonal(
     lengths = ((points[ends[..., 0]] - points[ends[..., 1]]) ** 2).sum(axis=-1)
     shortest = lengths == lengths.min(axis=1, keepdims=True)
     return np.where(shortest, ends.min(axis=-1), len(points)).argmin(axis=1)
+
+
+def grid_from_options(options: GridOptions) -> GridHierarchy:
+    """The hierarchy that `options` describe.
+
+    Raises:
+        UserError: the `.tet` file is missing, malformed or reaches outside the unit cube.
+    """
+    if options.cells is not None:
+        return build_hierarchy(options.cells, options.depth)
+    assert options.file is not None  # the options hold exactly one of the two
+    try:
+        return subdivide_hierarchy(read_tet(options.file), options.depth)
+    except ValueError as error:
+        raise UserError(f"{options.file}: {error}; scale it to fit") from None

@@ -11,7 +11,8 @@ from jaxtyping import Float, Int
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
-from tetgan.grids.grid import TetGrid, tet_volumes
+from tetgan.geometry.tets import tet_volumes
+from tetgan.grids.grid import TetGrid
 
 
 def read_tet(path: str | Path) -> TetGrid:

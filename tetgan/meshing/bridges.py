@@ -3,9 +3,10 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.meshing.around import Pieces
+from tetgan.meshing.stars import Pieces
 
 _LONGEST = 5  # rounds in which a bridge grows
+
 _CHEAPEST = (
     1e-3  # of a step of a bridge: steps back, which cost less than nothing, must not go round in circles
 )

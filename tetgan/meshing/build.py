@@ -5,16 +5,17 @@ from jaxtyping import Bool, Float
 from scipy import sparse
 
 from tetgan.fields.field import Field, VertexField
-from tetgan.grids.adjacency import boundary_faces
+from tetgan.geometry.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.filtering import filter_occupancy
 from tetgan.meshing.injective import move_boundary
 from tetgan.meshing.occupancy import valid_solid
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.smoothing import smooth_vertices
-from tetgan.meshing.solid import SolidChanges, SolidMesh
+from tetgan.solids.solid import SolidChanges, SolidMesh
 
 _FAR = 4.0  # mean displacements of surface tets from the surface: beyond that every tet costs the same
+
 _EMPTYING = 4.0  # times what filling costs
 
 

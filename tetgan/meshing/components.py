@@ -7,7 +7,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from tetgan.meshing.ambient import Ambient
+from tetgan.meshing.collared_grid import CollaredGrid
 
 
 class Dropped(NamedTuple):
@@ -24,7 +24,7 @@ class Dropped(NamedTuple):
 
 def drop_small_pieces(
     occupancy: Bool[np.ndarray, "T"],
-    ambient: Ambient,
+    ambient: CollaredGrid,
     smallest: float,
     *,
     joined_by: Literal["faces", "vertices"],
@@ -44,14 +44,14 @@ def drop_small_pieces(
     return Dropped(left, volumes[dropped])
 
 
-def count_cavities(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> int:
+def count_cavities(occupancy: Bool[np.ndarray, "T"], ambient: CollaredGrid) -> int:
     """Pieces of empty tets, joined by faces, that do not reach the collar."""
     tets = np.flatnonzero(~occupancy)
     labels = label_by_faces(tets, ambient)
     return len(np.setdiff1d(labels, labels[tets >= ambient.grid_tets]))
 
 
-def label_by_faces(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndarray, "N"]:
+def label_by_faces(tets: Int[np.ndarray, "N"], ambient: CollaredGrid) -> Int[np.ndarray, "N"]:
     number = np.full(len(ambient.tets) + 1, -1)  # the -1 of a missing neighbour reads the last entry
     number[tets] = np.arange(len(tets))
     beside = number[ambient.neighbors[tets]]
@@ -59,7 +59,7 @@ def label_by_faces(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndarr
     return _labels(rows, beside[rows, slots], len(tets))
 
 
-def _label_by_vertices(tets: Int[np.ndarray, "N"], ambient: Ambient) -> Int[np.ndarray, "N"]:
+def _label_by_vertices(tets: Int[np.ndarray, "N"], ambient: CollaredGrid) -> Int[np.ndarray, "N"]:
     corners = ambient.tets[tets]
     ends = np.repeat(corners[:, 0], 3), corners[:, 1:].ravel()
     labels = _labels(*ends, len(ambient.vertices))[corners[:, 0]]  # of vertices, those without tets too

@@ -6,13 +6,16 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
-from tetgan.grids.adjacency import unique_edges
-from tetgan.meshing.ambient import Ambient
-from tetgan.meshing.shapes import six_volumes, tet_shapes
+from tetgan.geometry.adjacency import unique_edges
+from tetgan.geometry.tets import six_volumes, tet_shapes
+from tetgan.meshing.collared_grid import CollaredGrid
 
 _HALVINGS = 4  # a step is cut down to 1/16, then given up for the round
+
 _RELAXATION = 0.7  # of the way to the mean of the neighbours, each time
+
 _LEAST_VOLUME = 0.02  # of a tet's own volume on the grid: what it keeps, whatever moves
+
 _RINGS = 2  # of vertices around the boundary that make way for it
 
 
@@ -41,7 +44,7 @@ def move_boundary(
     occupancy: Bool[np.ndarray, "T"],
     boundary: Int[np.ndarray, "B"],
     targets: Float[np.ndarray, "B 3"],
-    ambient: Ambient,
+    ambient: CollaredGrid,
     *,
     min_dihedral: float,
     rounds: int,
@@ -72,7 +75,10 @@ def move_boundary(
 
 
 def _band(
-    occupancy: Bool[np.ndarray, "T"], boundary: Int[np.ndarray, "B"], ambient: Ambient, min_dihedral: float
+    occupancy: Bool[np.ndarray, "T"],
+    boundary: Int[np.ndarray, "B"],
+    ambient: CollaredGrid,
+    min_dihedral: float,
 ) -> _Band:
     movable = np.zeros(len(ambient.vertices), dtype=bool)
     movable[boundary] = True

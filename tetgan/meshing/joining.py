@@ -5,8 +5,8 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
 
-from tetgan.meshing.around import Pieces
 from tetgan.meshing.patches import Patches
+from tetgan.meshing.stars import Pieces
 
 
 def part_a_component(

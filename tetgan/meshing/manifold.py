@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from tetgan.meshing.ambient import Ambient
-from tetgan.meshing.around import Pieces
 from tetgan.meshing.bridges import cheapest_bridges
+from tetgan.meshing.collared_grid import CollaredGrid
+from tetgan.meshing.stars import Pieces
 
 _AT_ONCE = 2000  # changes weighed together: bounds the memory on noise, where every vertex is at fault
 
@@ -47,10 +47,10 @@ class _Effect(NamedTuple):
     gain: Int[np.ndarray, "C"]
 
 
-def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "V"]:
+def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: CollaredGrid) -> Int[np.ndarray, "V"]:
     """How far each vertex is from a manifold boundary; 0 everywhere exactly when the boundary is one.
 
-    Around a vertex the tets cut a small sphere into triangles. The boundary meets the sphere in one closed
+    Stars a vertex the tets cut a small sphere into triangles. The boundary meets the sphere in one closed
     curve, so has one fan there, exactly when the occupied triangles hang together side by side, and the empty
     ones as well (Jordan); and a surface with one fan at each vertex has two faces at each edge. The defect is
     the number of pieces beyond one of each.
@@ -63,13 +63,13 @@ def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[
 
 def make_manifold(
     occupancy: Bool[np.ndarray, "T"],
-    ambient: Ambient,
+    ambient: CollaredGrid,
     cost: Float[np.ndarray, "T"],
     where: Bool[np.ndarray, "V"] | None = None,
 ) -> Bool[np.ndarray, "T"]:
     """Fill and empty tets until the boundary is a manifold, at little cost.
 
-    Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides, and so
+    Stars each vertex and edge at fault every piece of tets, occupied or empty, might change sides, and so
     might the tets of a bridge between two pieces of one kind (`cheapest_bridges`). Of the changes that lower
     the sum of the defects, the cheapest for what they mend are made, as many at once as have no vertex in
     common, until none is left; each round lowers the sum, so this ends. Where defects remain, tets around
@@ -94,7 +94,7 @@ def make_manifold(
     return _change_back(occupied, original, ambient, cost, defect=defect, where=where)
 
 
-def mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np.ndarray, "N"]:
+def mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: CollaredGrid) -> Int[np.ndarray, "N"]:
     """Vertices with tets of both kinds around them."""
     touched = np.zeros((2, len(ambient.vertices)), dtype=bool)
     touched[0, ambient.tets[occupancy]] = True
@@ -105,7 +105,7 @@ def mixed_vertices(occupancy: Bool[np.ndarray, "T"], ambient: Ambient) -> Int[np
 def _possible_changes(
     occupied: Bool[np.ndarray, "T"],
     vertices: Int[np.ndarray, "N"],
-    ambient: Ambient,
+    ambient: CollaredGrid,
     cost: Float[np.ndarray, "T"],
 ) -> _Changes:
     """The pieces around vertices at fault, and around edges there with four boundary faces; and bridges."""
@@ -155,7 +155,7 @@ def _improve(
     changes: _Changes,
     occupied: Bool[np.ndarray, "T"],
     defect: Int[np.ndarray, "V"],
-    ambient: Ambient,
+    ambient: CollaredGrid,
     cost: Float[np.ndarray, "T"],
 ) -> bool:
     """Make the best of the changes, in place; whether there was any that lowers the sum of the defects."""
@@ -176,7 +176,7 @@ def _improve(
 
 
 def _effect(
-    changes: _Changes, occupied: Bool[np.ndarray, "T"], defect: Int[np.ndarray, "V"], ambient: Ambient
+    changes: _Changes, occupied: Bool[np.ndarray, "T"], defect: Int[np.ndarray, "V"], ambient: CollaredGrid
 ) -> _Effect:
     """Defects of all vertices of the tets of each change, were it made."""
     base = len(ambient.vertices)
@@ -216,7 +216,7 @@ def _independent(
 def _change_back(
     occupied: Bool[np.ndarray, "T"],
     original: Bool[np.ndarray, "T"],
-    ambient: Ambient,
+    ambient: CollaredGrid,
     cost: Float[np.ndarray, "T"],
     *,
     defect: Int[np.ndarray, "V"],
@@ -239,7 +239,7 @@ def _change_back(
 def _tets_to_empty(
     vertices: Int[np.ndarray, "N"],
     occupied: Bool[np.ndarray, "T"],
-    ambient: Ambient,
+    ambient: CollaredGrid,
     cost: Float[np.ndarray, "T"],
 ) -> Int[np.ndarray, "M"]:
     """The occupied pieces around each vertex but the costliest, or all if there is one only: never none."""

@@ -6,16 +6,18 @@ import igl
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from tetgan.shapes.soup import Soup
+from tetgan.geometry.triangles import TriangleMesh
 
 Value = Callable[[Float[np.ndarray, "N 3"]], Float[np.ndarray, "N"]]
+
 Cube = Float[np.ndarray, "R R R"]
+
 
 # Corners of a cell in the order that libigl wants: around the bottom, then around the top.
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 
 
-def mise(value: Value, start: int, steps: int, level: float, *, box: float = 1.0) -> Soup:
+def mise(value: Value, start: int, steps: int, level: float, *, box: float = 1.0) -> TriangleMesh:
     """Where `value` crosses `level`: multiresolution isosurface extraction (Mescheder et al. 2019, sec. 3.3).
 
     All points of a coarse grid are evaluated, then the grid is halved `steps` times; new points are evaluated
@@ -41,7 +43,7 @@ def mise(value: Value, start: int, steps: int, level: float, *, box: float = 1.0
     return _march(values, level, origin=0.5 - box / 2, spacing=spacing)
 
 
-def voxel_surface(distance: Cube, level: float = 0.0) -> Soup:
+def voxel_surface(distance: Cube, level: float = 0.0) -> TriangleMesh:
     """Where signed distances at the cell centres of the unit cube, negative inside, cross `level`.
 
     A shape that reaches the wall of the cube is closed there.
@@ -107,23 +109,23 @@ def _points_of_cells(cells: Bool[np.ndarray, "C C C"]) -> Bool[np.ndarray, "S S 
     return cells
 
 
-def _march(values: Cube, level: float, *, origin: float, spacing: float) -> Soup:
+def _march(values: Cube, level: float, *, origin: float, spacing: float) -> TriangleMesh:
     """Marching cubes of values above the level inside, closed at the wall.
 
-    Around the grid lies one more layer of points, outside: the values at the wall mirrored in the level.
+    Stars the grid lies one more layer of points, outside: the values at the wall mirrored in the level.
     """
     mirrored = np.pad(values, 1, mode="edge")
     padded = np.minimum(mirrored, 2 * level - mirrored)
     padded[1:-1, 1:-1, 1:-1] = values
     cells = _crossed_cells(padded > level)
     if len(cells) == 0:
-        return Soup(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+        return TriangleMesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
     corners = np.ravel_multi_index(tuple(np.moveaxis(cells[:, None] + _CORNERS, 2, 0)), padded.shape)
     used, compact = np.unique(corners, return_inverse=True)
     places = origin + spacing * (np.stack(np.unravel_index(used, padded.shape), axis=1) - 1.0)
     above = padded.ravel()[used].astype(np.float64) - level
     vertices, faces, _ = igl.marching_cubes(above, places, compact.reshape(-1, 8), 0.0)
-    return Soup(vertices, faces[:, ::-1].astype(np.int64))
+    return TriangleMesh(vertices, faces[:, ::-1].astype(np.int64))
 
 
 def _crossed_cells(inside: Bool[np.ndarray, "R R R"]) -> Int[np.ndarray, "C 3"]:

@@ -4,14 +4,16 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from tetgan.grids.grid import TetGrid
-from tetgan.meshing.ambient import Ambient, ambient_space
+from tetgan.meshing.collared_grid import CollaredGrid, collared_grid
 from tetgan.meshing.components import count_cavities, drop_small_pieces
 from tetgan.meshing.manifold import boundary_defects, make_manifold, mixed_vertices
 from tetgan.meshing.opening import Opened, open_pinches
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.solid import SolidChanges
+from tetgan.solids.solid import SolidChanges
 
 _TRIES = 3  # to mend by occupancy only what could not be opened; then everything is
+
+
 # Share of the boundary's vertices at fault beyond which everything is, at once: chairs have up to 0.4, noise
 # up to 0.9, whose pinches took up to 22 s to open on 9,216 tets, and more on larger lattices.
 _NOISE = 0.45
@@ -28,7 +30,7 @@ def valid_solid(
     Args:
         cost: of changing each tet; see `make_manifold`.
     """
-    ambient = ambient_space(grid)
+    ambient = collared_grid(grid)
     given = ambient.with_collar(occupancy)
     volume = float(ambient.volumes[given].sum())
     smallest = options.min_component * volume
@@ -51,7 +53,7 @@ def valid_solid(
 
 
 def _mend(
-    occupancy: Bool[np.ndarray, "T"], ambient: Ambient, cost: Float[np.ndarray, "T"], min_dihedral: float
+    occupancy: Bool[np.ndarray, "T"], ambient: CollaredGrid, cost: Float[np.ndarray, "T"], min_dihedral: float
 ) -> tuple[Bool[np.ndarray, "T"], Opened]:
     """The occupancy of the grid that is left, and the solid opened (`open_pinches`).
 

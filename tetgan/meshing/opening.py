@@ -6,12 +6,12 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
-from tetgan.meshing.ambient import Ambient
+from tetgan.geometry.tets import tet_shapes
+from tetgan.meshing.collared_grid import CollaredGrid
 from tetgan.meshing.components import label_by_faces
 from tetgan.meshing.joining import components_after, least_joins, part_a_component
 from tetgan.meshing.patches import Patches, patches_at
 from tetgan.meshing.pulling import made_tets, places_to_pull_to
-from tetgan.meshing.shapes import tet_shapes
 
 _LEAST_VOLUME = 1e-3  # of the smallest tet of the grid: what every tet keeps
 
@@ -27,7 +27,7 @@ class Opened(NamedTuple):
         gaps, seams: pulls of occupied patches, and of empty ones.
     """
 
-    space: Ambient
+    space: CollaredGrid
     occupancy: Bool[np.ndarray, "T"]
     component: Int[np.ndarray, "T"]
     blend: sparse.csr_array
@@ -47,7 +47,7 @@ class _Pulls(NamedTuple):
 
 
 def open_pinches(
-    occupancy: Bool[np.ndarray, "T"], faulty: Int[np.ndarray, "N"], ambient: Ambient, min_dihedral: float
+    occupancy: Bool[np.ndarray, "T"], faulty: Int[np.ndarray, "N"], ambient: CollaredGrid, min_dihedral: float
 ) -> tuple[Opened, Int[np.ndarray, "M"]]:
     """Pull tets back from vertices at fault, until the boundary is a manifold or nothing more can be done.
 
@@ -98,8 +98,8 @@ def _pull_once(
 
 
 def _surroundings(
-    space: Ambient, vertices: Int[np.ndarray, "N"]
-) -> tuple[Int[np.ndarray, "T"], Int[np.ndarray, "V"], Ambient]:
+    space: CollaredGrid, vertices: Int[np.ndarray, "N"]
+) -> tuple[Int[np.ndarray, "T"], Int[np.ndarray, "V"], CollaredGrid]:
     """The tets within two rings of some vertices: their rows, their vertices, and as a space of their own."""
     near = np.zeros(len(space.vertices), dtype=bool)
     near[vertices] = True
@@ -111,7 +111,9 @@ def _surroundings(
     return (
         rows,
         used,
-        Ambient(space.vertices[used], tets.reshape(-1, 4), inside, space.pinned[used], space.guarded[rows]),
+        CollaredGrid(
+            space.vertices[used], tets.reshape(-1, 4), inside, space.pinned[used], space.guarded[rows]
+        ),
     )
 
 
@@ -155,7 +157,7 @@ def _pull(opened: Opened, pulls: _Pulls) -> Opened:
     solid, here = ~patches.occupied[patches.rim_patch], space.grid_tets
     component, of_made = components_after(patches, opened.component)
     return Opened(
-        Ambient(
+        CollaredGrid(
             np.concatenate([space.vertices, pulls.place]),
             _insert(tets, here, made),
             here + len(made),
@@ -170,7 +172,7 @@ def _pull(opened: Opened, pulls: _Pulls) -> Opened:
     )
 
 
-def _blend(pulls: _Pulls, space: Ambient) -> sparse.csr_array:
+def _blend(pulls: _Pulls, space: CollaredGrid) -> sparse.csr_array:
     """(P, V): each place as a mean of the corners of the tet that it lies in."""
     patches, places = pulls.patches, len(pulls.place)
     corners = np.concatenate([space.corners(patches.tets), np.ones((4, 1, len(patches.tets)))], axis=1)

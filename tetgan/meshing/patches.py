@@ -5,13 +5,15 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Bool, Float, Int, Shaped
 
-from tetgan.grids.adjacency import EDGES
-from tetgan.meshing.ambient import VERTEX_FACES, Ambient
-from tetgan.meshing.around import Pieces
+from tetgan.geometry.adjacency import EDGES
+from tetgan.geometry.tets import tet_shapes
 from tetgan.meshing.bridges import cheapest_bridges
-from tetgan.meshing.shapes import tet_shapes
+from tetgan.meshing.collared_grid import VERTEX_FACES, CollaredGrid
+from tetgan.meshing.stars import Pieces
 
 _FLAT = 16.0  # times the cost of a tet of right angles: what a bridge would pay to go through a flat one
+
+
 # The two local vertices of a tet that are neither of two others.
 _OTHERS = np.array([[[k for k in range(4) if k not in {i, j}][:2] for j in range(4)] for i in range(4)])
 
@@ -91,7 +93,7 @@ class Patches(NamedTuple):
 
 
 def patches_at(
-    vertices: Int[np.ndarray, "N"], pieces: Pieces, occupancy: Bool[np.ndarray, "T"], space: Ambient
+    vertices: Int[np.ndarray, "N"], pieces: Pieces, occupancy: Bool[np.ndarray, "T"], space: CollaredGrid
 ) -> Patches:
     """What might be pulled back from vertices at fault so that a fault goes, and none comes elsewhere.
 
@@ -163,7 +165,7 @@ def _mends(
     vertices: Int[np.ndarray, "N"],
     pieces: Pieces,
     occupancy: Bool[np.ndarray, "T"],
-    space: Ambient,
+    space: CollaredGrid,
 ) -> Bool[np.ndarray, "P"]:
     """Whether there would be fewer pieces around the vertex of each patch."""
     corners, place = space.around_vertices.corners(patches.vertex)
@@ -175,7 +177,9 @@ def _mends(
     return after.defects(len(patches.vertex)) < before[patches.vertex]
 
 
-def _is_harmless(patches: Patches, occupancy: Bool[np.ndarray, "T"], space: Ambient) -> Bool[np.ndarray, "P"]:
+def _is_harmless(
+    patches: Patches, occupancy: Bool[np.ndarray, "T"], space: CollaredGrid
+) -> Bool[np.ndarray, "P"]:
     """Whether what is made at the rims of empty patches meets occupied tets at faces, and their sides, only.
 
     Where the rim runs between empty tets, the edge across from the vertex must have no occupied tet, and an

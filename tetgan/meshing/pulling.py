@@ -6,24 +6,30 @@ from functools import partial
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from tetgan.grids.adjacency import FACES
-from tetgan.meshing.ambient import Ambient
+from tetgan.geometry.adjacency import FACES
+from tetgan.geometry.tets import tet_shapes
+from tetgan.meshing.collared_grid import CollaredGrid
 from tetgan.meshing.patches import Patches
-from tetgan.meshing.shapes import tet_shapes
 
 # Shares of the way at the end of which a tet of the patch would be flat: the first that will do is taken. A
 # gap is to be narrow, and a seam thick enough for its angles.
 _GAPS = np.array([1 / 4, 1 / 8, 1 / 16])
+
 _SEAMS = np.array([1 / 4, 3 / 8, 1 / 2])
+
+
 # Steps around the best of these, in the same unit, each to the best of six sides, while that is better.
 _SEARCH = (0.2, 0.2, 0.1, 0.1, 0.05, 0.05)
+
 _SIDES = np.concatenate([np.eye(3), -np.eye(3)])
+
 _TURNS = 30  # towards the direction furthest within the rim
+
 _NEVER = 2.0  # instead of a cosine: a tet is too small
 
 
 def places_to_pull_to(
-    patches: Patches, space: Ambient, min_dihedral: float, least_volume: float
+    patches: Patches, space: CollaredGrid, min_dihedral: float, least_volume: float
 ) -> tuple[Float[np.ndarray, "P 3"], Bool[np.ndarray, "P"]]:
     """For each patch a place for its copy of the vertex, and whether there is one.
 
@@ -51,7 +57,7 @@ def places_to_pull_to(
 
 
 def made_tets(
-    patches: Patches, places: Float[np.ndarray, "K P 3"], space: Ambient
+    patches: Patches, places: Float[np.ndarray, "K P 3"], space: CollaredGrid
 ) -> Float[np.ndarray, "4 3 K N"]:
     """Corners of the tets between the vertices and their copies, for each choice of places."""
     return _replaced(space, patches.rim_tets, patches.rim_slot, places[:, patches.rim_patch])
@@ -79,7 +85,9 @@ def _search(
     return place, worst
 
 
-def _most_inward(patches: Patches, space: Ambient) -> tuple[Float[np.ndarray, "P 3"], Bool[np.ndarray, "P"]]:
+def _most_inward(
+    patches: Patches, space: CollaredGrid
+) -> tuple[Float[np.ndarray, "P 3"], Bool[np.ndarray, "P"]]:
     """The direction of the largest least angle with the faces of each rim, and whether it is within all.
 
     It is that of the shortest vector in the convex hull of their normals, which is sought from their mean by
@@ -107,7 +115,9 @@ def _inward_normals(
     return np.cross(c - a, b - a)
 
 
-def _reach(patches: Patches, direction: Float[np.ndarray, "P 3"], space: Ambient) -> Float[np.ndarray, "P"]:
+def _reach(
+    patches: Patches, direction: Float[np.ndarray, "P 3"], space: CollaredGrid
+) -> Float[np.ndarray, "P"]:
     """How far the vertex can go until the first tet of its patch is flat; 0 where none ever is."""
     tets = space.tets[patches.tets]
     normals = _inward_normals(space.vertices, tets, patches.corner)
@@ -119,7 +129,7 @@ def _reach(patches: Patches, direction: Float[np.ndarray, "P 3"], space: Ambient
     return np.divide(1, most, out=np.zeros_like(most), where=most > 0)
 
 
-def _bounds(patches: Patches, space: Ambient, min_dihedral: float) -> Float[np.ndarray, "P"]:
+def _bounds(patches: Patches, space: CollaredGrid, min_dihedral: float) -> Float[np.ndarray, "P"]:
     """The largest cosine that an angle of each patch may have."""
     own = tet_shapes(space.corners(patches.tets)).cosine
     kept = np.where(patches.occupied[patches.patch], own, -1.0)
@@ -127,7 +137,7 @@ def _bounds(patches: Patches, space: Ambient, min_dihedral: float) -> Float[np.n
 
 
 def _worst_angles(
-    patches: Patches, places: Float[np.ndarray, "K P 3"], space: Ambient, least_volume: float
+    patches: Patches, places: Float[np.ndarray, "K P 3"], space: CollaredGrid, least_volume: float
 ) -> Float[np.ndarray, "K P"]:
     """Cosine of the least angle of the occupied tets moved or made; `_NEVER` where any tet is too small."""
     moved = tet_shapes(_replaced(space, patches.tets, patches.corner, places[:, patches.patch]))
@@ -141,7 +151,10 @@ def _worst_angles(
 
 
 def _replaced(
-    space: Ambient, tets: Int[np.ndarray, "N"], slot: Int[np.ndarray, "N"], points: Float[np.ndarray, "K N 3"]
+    space: CollaredGrid,
+    tets: Int[np.ndarray, "N"],
+    slot: Int[np.ndarray, "N"],
+    points: Float[np.ndarray, "K N 3"],
 ) -> Float[np.ndarray, "4 3 K N"]:
     """Corners of some tets, with other points for one of each."""
     corners = np.repeat(space.corners(tets)[:, :, None], len(points), axis=2)

@@ -4,16 +4,15 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
-from tetgan.fields.field import Field, VertexField
-from tetgan.fields.vertices import vertex_operator
+from tetgan.fields.field import Field, VertexField, vertex_operator
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.build import build_solid
-from tetgan.meshing.certificate import certify
-from tetgan.meshing.certify_files import write_certificate
-from tetgan.meshing.export import write_surface, write_tets
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.records import quality_record, surface_record
-from tetgan.shapes.soup import Soup
+from tetgan.solids.certificate import certify
+from tetgan.solids.certify import write_certificate
+from tetgan.solids.export import write_surface, write_tets
+from tetgan.solids.record import quality_record, surface_record
 
 
 def write_solids(
@@ -51,7 +50,7 @@ def write_solids(
 
 
 def write_surfaces(
-    folder: Path, surfaces: Iterable[tuple[str, Soup, Mapping[str, Any]]]
+    folder: Path, surfaces: Iterable[tuple[str, TriangleMesh, Mapping[str, Any]]]
 ) -> list[dict[str, Any]]:
     """Write `{id}.ply` for each surface.
 

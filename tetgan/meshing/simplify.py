@@ -13,11 +13,12 @@ from rich.progress import track
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
-from tetgan.meshing.export import write_surface
-from tetgan.meshing.records import surface_record
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.isolation import SimplifyWorker
 from tetgan.shapes.options import SimplifyOptions
-from tetgan.shapes.soup import ShapeError, Soup
+from tetgan.solids.export import write_surface
+from tetgan.solids.record import surface_record
 
 CERTIFICATE = "certificate.csv"
 
@@ -62,12 +63,14 @@ def _simplify_part(part: Path, folder: Path, worker: SimplifyWorker) -> None:
 
 def _simplify_surface(source: Path, target: Path, worker: SimplifyWorker) -> dict[str, Any]:
     """The columns of one surface's row; its file is written if there is anything to write."""
-    nothing = Soup(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
+    nothing = TriangleMesh(np.empty((0, 3)), np.empty((0, 3), dtype=np.int64))
     if not source.is_file():
         return {**surface_record(nothing), "reason": "no surface"}
     try:
         mesh = trimesh.load_mesh(source, process=False)
-        simplified = worker.simplify(Soup(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)))
+        simplified = worker.simplify(
+            TriangleMesh(np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64))
+        )
     except Exception as error:  # a model can make a mesh that breaks any parser
         reason = str(error) if isinstance(error, ShapeError) else f"{type(error).__name__}: {error}"
         log.warning("%s: %s", source, reason)

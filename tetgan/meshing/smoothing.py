@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.grids.adjacency import unique_edges
+from tetgan.geometry.adjacency import unique_edges
 
 
 def smooth_vertices(

@@ -1,121 +1,139 @@
-"""Models by their options, and the folder that holds a trained one."""
+"""Generative methods by name: those installed, and those of modules that a config names.
 
-import json
-from pathlib import Path
-from typing import Any
+A package names its records in the entry-point group `tetgan.methods`, under the name of the method; this
+package's own stand there too (pyproject.toml). Another package's is imported when a model of that method is
+first met, a module under `plugins` by `load_plugins`.
+"""
 
-import torch
-from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
-from torch import Tensor
+import re
+from collections.abc import Iterable
+from importlib import import_module
+from importlib.metadata import EntryPoint, entry_points
+from typing import Annotated, Any, Union
+
+from pydantic import Field, GetCoreSchemaHandler, GetJsonSchemaHandler, TypeAdapter, ValidationError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema, InitErrorDetails, PydanticCustomError, core_schema
 
 from tetgan.errors import UserError
-from tetgan.files import whole_file
-from tetgan.grids.hierarchy import GridHierarchy
-from tetgan.models.baselines.implicit import SurfaceModel
-from tetgan.models.generator import FieldGenerator, LatentModel
-from tetgan.models.kinds import ModelOptions, kind_of
-from tetgan.models.options import KindOptions
-from tetgan.nn.device import device_name
-from tetgan.options import parse_options
+from tetgan.models.method import Method, MethodOptions
 
-OPTIONS, WEIGHTS = "options.json", "weights.safetensors"
-CPU = torch.device("cpu")
+GROUP = "tetgan.methods"
+
+MODULE_NAME = r"^[A-Za-z_]\w*(\.[A-Za-z_]\w*)*$"
+"""A dotted name, never a path: what is imported must be installed, or on `PYTHONPATH`."""
+
+_loaded: dict[str, Method] = {}
 
 
-def build_generator(
-    options: KindOptions, hierarchy: GridHierarchy, of: KindOptions | None = None
-) -> FieldGenerator:
-    """An untrained model of fields; its weights are drawn from PyTorch's global generator.
+def load_plugins(modules: Iterable[str]) -> None:
+    """Import modules, which runs their code, and make the methods known that they hold.
 
     Args:
-        of: the model that this one stands on, as a DefTet does, whose boundary it moves.
-    """
-    under = [] if of is None else [build_generator(of, hierarchy)]
-    model = kind_of(options).load("build")(options, hierarchy, *under)
-    assert isinstance(model, FieldGenerator), f"{options.kind}: no model of fields"
-    return model
-
-
-def build_surface_model(options: KindOptions) -> SurfaceModel:
-    """An untrained model of implicit surfaces; its weights are drawn from PyTorch's global generator."""
-    model = kind_of(options).load("build")(options)
-    assert isinstance(model, SurfaceModel), f"{options.kind}: no model of implicit surfaces"
-    return model
-
-
-def save_generator(
-    folder: Path,
-    generator: LatentModel,
-    options: KindOptions,
-    hierarchy: GridHierarchy | None = None,
-    **further: Any,
-) -> None:
-    """Write `options.json` (the model's, digest of its grid, device, what else is told) and the weights.
-
-    A model that stands on another tells that one's options as `of`; the weights hold both.
-    """
-    grid = {"grid_digest": hierarchy.digest} if hierarchy else {}
-    state = generator.state_dict()
-    device = next((value.device for value in state.values()), CPU)
-    record = {
-        "model": options.model_dump(mode="json"),
-        **grid,
-        "device": device_name(device),
-        **further,
-    }
-    with whole_file(folder / OPTIONS) as partial:
-        partial.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
-    weights = {name: value.detach().cpu().contiguous() for name, value in state.items()}
-    with whole_file(folder / WEIGHTS) as partial:
-        save_file(weights, partial)
-
-
-def load_options(folder: Path) -> KindOptions:
-    """The options of the trained model of a folder.
+        modules: dotted names; of each, every `Method` at its top level counts.
 
     Raises:
-        UserError: the folder holds no whole model.
+        UserError: a module cannot be found, holds no method, or one whose name is taken.
     """
-    return _read_model(folder)[1]
+    for name in modules:
+        if not re.match(MODULE_NAME, name):
+            raise UserError(f"plugins: '{name}' is no dotted name of a module, such as my_models.linear")
+        try:
+            held = vars(import_module(name)).values()
+        except ModuleNotFoundError as error:
+            raise UserError(f"plugins: {name}: {error}; install it, or set PYTHONPATH") from None
+        methods = [value for value in held if isinstance(value, Method)]
+        if not methods:
+            raise UserError(f"plugins: {name}: holds no Method (docs/extending.md)")
+        for method in methods:
+            _add(method, f"plugins: {name}")
 
 
-def load_generator(folder: Path, hierarchy: GridHierarchy) -> FieldGenerator:
-    """The trained model of fields of a folder, on the CPU and ready to decode.
+def find_method(name: str) -> Method:
+    """The record of a method.
 
     Raises:
-        UserError: the folder holds no whole model, or one of another grid.
+        UserError: no such method; the message names those there are.
     """
-    record, options, weights = _read_model(folder)
-    if kind_of(options).sampling is not None:
-        raise UserError(f"{folder}: a model of kind {options.kind}, which has no fields")
-    if record.get("grid_digest") != hierarchy.digest:
-        raise UserError(f"{folder}: trained on another grid; use the fields it was trained on")
-    of = parse_options(ModelOptions, record["of"], str(folder / OPTIONS)) if "of" in record else None
-    generator = build_generator(options, hierarchy, of)
-    generator.load_state_dict(weights)
-    return generator.eval()
+    if name not in _loaded:
+        installed = _installed()
+        if name not in installed:
+            raise UserError(
+                f"'{name}' is no method; there are {', '.join(sorted(_loaded.keys() | installed))}; "
+                "one from elsewhere needs its module under `plugins`, or --plugin"
+            )
+        _add(_load_installed(installed[name]), f"entry point {name} of {GROUP}")
+    return _loaded[name]
 
 
-def load_surface_model(folder: Path) -> SurfaceModel:
-    """The trained model of implicit surfaces of a folder, on the CPU and ready to decode.
-
-    Raises:
-        UserError: the folder holds no whole model, or one of fields.
-    """
-    _, options, weights = _read_model(folder)
-    if kind_of(options).sampling is None:
-        raise UserError(f"{folder}: a model of kind {options.kind}, not of implicit surfaces")
-    model = build_surface_model(options)
-    model.load_state_dict(weights)
-    return model.eval()
+def method_of(options: MethodOptions) -> Method:
+    """The record of the method that a model's options belong to."""
+    return find_method(options.kind)
 
 
-def _read_model(folder: Path) -> tuple[dict[str, Any], KindOptions, dict[str, Tensor]]:
-    """What `options.json` says, the model's options in it, and the weights."""
+def loaded_methods() -> list[Method]:
+    """Every method but those of installed packages that nothing has asked for yet."""
+    return list(_loaded.values())
+
+
+def _add(method: Method, source: str) -> None:
+    if _loaded.setdefault(method.name, method) is not method:
+        raise UserError(f"{source}: there is a method '{method.name}' already; call this one otherwise")
+
+
+def _installed() -> dict[str, EntryPoint]:
+    return {point.name: point for point in entry_points(group=GROUP)}
+
+
+def _load_own() -> None:
+    """This package's methods, in the order of their names."""
+    for name, point in sorted(_installed().items()):
+        if point.value.startswith("tetgan."):
+            _add(_load_installed(point), f"entry point {name} of {GROUP}")
+
+
+def _load_installed(point: EntryPoint) -> Method:
     try:
-        record = json.loads((folder / OPTIONS).read_text(encoding="utf-8"))
-        options = parse_options(ModelOptions, record["model"], str(folder / OPTIONS))
-        return record, options, load_file(folder / WEIGHTS)
-    except (OSError, ValueError, KeyError, SafetensorError) as error:
-        raise UserError(f"{folder}: not a trained model ({error}); train it first") from None
+        method = point.load()
+    except (ImportError, AttributeError) as error:
+        raise UserError(f"entry point {point.name} of {GROUP}: {error}; mend {point.value}") from None
+    if not isinstance(method, Method) or method.name != point.name:
+        raise UserError(
+            f"entry point {point.name} of {GROUP}: {point.value} is no Method of that name; mend it"
+        )
+    return method
+
+
+class _OfKnownMethod:
+    """Makes a model's options of plain values, of whichever class goes with their `kind` at that moment."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(_validate)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        classes = tuple(method.options for method in loaded_methods())
+        union = Annotated[Union[classes], Field(discriminator="kind")]  # type: ignore[valid-type]  # noqa: UP007
+        return handler(TypeAdapter[Any](union).core_schema)
+
+
+def _validate(values: Any) -> MethodOptions:
+    if isinstance(values, MethodOptions):
+        return values
+    name = values.get("kind") if isinstance(values, dict) else None
+    try:
+        if not isinstance(name, str):
+            raise UserError("a model needs the name of its method as `kind`, as in {kind: tetgan, grid: LR}")
+        options = find_method(name).options
+    except UserError as error:
+        told = PydanticCustomError("kind", "{message}", {"message": str(error)})
+        details = InitErrorDetails(type=told, loc=("kind",), input=name)
+        raise ValidationError.from_exception_data("model", [details]) from None
+    return options.model_validate(values)
+
+
+ModelOptions = Annotated[MethodOptions, _OfKnownMethod()]
+"""An entry of the config under `models`: options of any method that is known."""
+
+_load_own()

@@ -14,8 +14,8 @@ from tetgan.fields.store import FieldStore
 from tetgan.files import whole_file
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.samples import write_solids, write_surfaces
-from tetgan.models.kinds import kind_of
-from tetgan.models.registry import load_generator, load_options, load_surface_model
+from tetgan.models.files import load_generator, load_options, load_surface_model
+from tetgan.models.registry import method_of
 from tetgan.models.sampling import generate_fields, reconstruct_fields
 from tetgan.models.surfaces import extraction_of, generate_surfaces, reconstruct_surfaces
 
@@ -23,7 +23,9 @@ SMOOTHINGS = {"none": False, "wls": True}
 """Folder of each smoothing: without, and with the weighted Laplacian of Eq. 4."""
 
 Row = dict[str, Any]
+
 Shape = TypeVar("Shape")
+
 Item = tuple[str, Shape, Row]
 
 
@@ -41,7 +43,7 @@ def write_samples(
         folder: receives `{none,wls}/{generated,reconstructed}/{id}.{ply,vtu}`, `certificate.csv` beside
             them, and `about.json` with the number of tets, if any, and the minutes of training.
     """
-    sampling = kind_of(load_options(model)).sampling
+    sampling = method_of(load_options(model)).sampling
     if sampling is None:
         about = _write_solids(model, index, folder, options, count=count, seed=seed)
     else:

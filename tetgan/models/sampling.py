@@ -9,9 +9,8 @@ from torch import Tensor
 
 from tetgan.fields.field import Field, VertexField
 from tetgan.fields.store import FieldStore
-from tetgan.models.baselines.representation import RepresentationGenerator
 from tetgan.models.generator import FieldGenerator
-from tetgan.models.measures import occupancy_iou
+from tetgan.models.iou import occupancy_iou
 from tetgan.nn.device import pick_device
 
 BATCH = 16
@@ -28,10 +27,10 @@ def generate_fields(
 ) -> Iterator[Field | VertexField]:
     """Decoded draws of the prior; which ones depends on the seed, not on the batch size.
 
-    A `representation` has no prior: training shapes come in seeded order, again from the start if `count`
-    is larger than their number.
+    A model that only passes fields on has no prior: training shapes come in seeded order, again from the
+    start if `count` is larger than their number.
     """
-    if isinstance(generator, RepresentationGenerator):
+    if generator.is_identity:
         ids = np.random.default_rng(seed).permutation(store.ids("train"))
         yield from (store.read(str(ids[number % len(ids)])) for number in range(count))
         return
@@ -49,7 +48,7 @@ def reconstruct_fields(
     device: str = "auto",
 ) -> Iterator[tuple[str, Field | VertexField, float]]:
     """Each shape encoded, decoded from the posterior mean, and its occupancy IoU with the original."""
-    if isinstance(generator, RepresentationGenerator):
+    if generator.is_identity:
         yield from ((shape_id, store.read(shape_id), 1.0) for shape_id in ids)
         return
     for start in range(0, len(ids), batch_size):

@@ -9,11 +9,11 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 
 from tetgan.fields.samplings import PointStore, VoxelStore
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.meshing.marching import mise, voxel_surface
-from tetgan.models.baselines.implicit import ImplicitGenerator, SurfaceModel, VoxelGenerator
-from tetgan.models.measures import occupancy_iou
+from tetgan.models.generator import ImplicitGenerator, SurfaceModel, VoxelGenerator
+from tetgan.models.iou import occupancy_iou
 from tetgan.nn.device import pick_device
-from tetgan.shapes.soup import Soup
 
 ENCODED = 2048
 """Points that an encoder sees, as many as in training; a store has them in random order."""
@@ -38,7 +38,7 @@ def extraction_of(model: SurfaceModel, store: PointStore | VoxelStore) -> Extrac
 
 def generate_surfaces(
     model: SurfaceModel, extraction: Extraction | None, count: int, seed: int, *, device: str = "auto"
-) -> Iterator[Soup]:
+) -> Iterator[TriangleMesh]:
     """Decoded draws of the prior, without faces where a draw came out empty."""
     draws = torch.Generator().manual_seed(seed)
     model = model.to(pick_device(device))
@@ -53,7 +53,7 @@ def reconstruct_surfaces(
     ids: Sequence[str],
     *,
     device: str = "auto",
-) -> Iterator[tuple[str, Soup, float]]:
+) -> Iterator[tuple[str, TriangleMesh, float]]:
     """Each shape encoded, decoded from the posterior mean, and its occupancy IoU where it was sampled.
 
     Nothing for a model without an encoder.
@@ -72,7 +72,7 @@ def reconstruct_surfaces(
 
 def decode_surface(
     model: SurfaceModel, latent: Float[Tensor, "1 ..."], extraction: Extraction | None
-) -> Soup:
+) -> TriangleMesh:
     """The surface of one latent, which lies on the model's device.
 
     Args:

@@ -9,10 +9,13 @@ from jaxtyping import Int
 from torch import Tensor, nn
 
 SLOTS = 5  # the tet itself, then its neighbor across the face opposite each of its four vertices
+
 FEW = 1 << 19  # bags whose starts are counted anew for each size of chunks, rather than each time
+
 KEPT = 12  # tables of sides and batches, the size of a narrow layer's features each
 
 Side = Literal["product", "adjoint"]
+
 Made = TypeVar("Made")
 
 

@@ -10,6 +10,7 @@ from torch.autograd.function import once_differentiable
 from torch.nn import functional
 
 SLOPE = 0.2
+
 CPU_CHUNK, GPU_CHUNK = 2**17, 2**24  # numbers; on a CPU, of each thread
 
 

@@ -13,6 +13,7 @@ from tetgan.rendering.sheet import Ink, contact_sheet, note
 from tetgan.rendering.view import View
 
 _PROPORTIONS = (0.6, 2.0)  # width of a cell over its height, at least and at most
+
 EMPTY = "empty"
 """What the figure says where a model produced nothing."""
 

@@ -12,14 +12,23 @@ from embreex.mesh_construction import TriangleMesh
 from jaxtyping import Bool, Float, Int, UInt8
 
 STEEL: tuple[float, float, float] = (0.22, 0.42, 0.70)  # default colour of a surface, linear RGB
+
 _MARGIN = 0.04  # of the picture's shorter side, left free around the shape
+
 _SUPERSAMPLES = 2  # rays a pixel along each axis
+
 _SKY_RAYS = 5  # ambient-occlusion rays a primary ray
+
 _SKY_REACH = 0.6  # how far a surface darkens its surroundings, over the shape's diagonal
+
 _LIFT = 2e-4  # start of a secondary ray above its surface, over the shape's diagonal
+
+
 # Linear RGB of the lights: a warm one from the upper left, a weak one from the right, and the sky.
 _KEY = np.array([0.74, 0.70, 0.64])
+
 _FILL = np.array([0.13, 0.14, 0.16])
+
 _SKY = np.array([0.34, 0.37, 0.42])
 
 

@@ -14,10 +14,15 @@ from tetgan.files import whole_file
 Ink = tuple[int, int, int]
 
 INK: Ink = (40, 44, 52)
+
 FAINT: Ink = (165, 170, 178)
+
 _RULE: Ink = (205, 208, 214)
+
 _LETTERS = 80  # across a page at least: about seven points where it is printed across a sheet
+
 _LINE = 1.4  # height of a line of text, over that of its letters
+
 _Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 

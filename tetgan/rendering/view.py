@@ -9,7 +9,9 @@ from jaxtyping import Float, Int, UInt8
 from tetgan.rendering.raycast import STEEL, camera_axes, render_mesh
 
 MIDDLE = (0.5, 0.5, 0.5)
+
 _CLOSEST = 0.2  # span of a view of next to nothing, in cube sides
+
 _MARGIN = 1.06  # room left around the shapes that touch the frame
 
 

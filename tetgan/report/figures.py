@@ -10,15 +10,17 @@ from markupsafe import Markup
 from PIL import Image, UnidentifiedImageError
 
 from tetgan.errors import UserError
-from tetgan.report.captions import read_caption
-from tetgan.report.datauri import data_uri
+from tetgan.report.markup import data_uri, read_caption
 
 BUDGET = 6_000_000
 """Bytes of all pictures together, before base64 adds a third."""
 
 _MOST_DATA = 100_000  # bytes of a figure's data that the page takes along
+
 _WIDTHS = (1600, 1200, 900, 600)  # tried in turn, after its own, until a picture fits its share
+
 _QUALITY = 80  # of WebP, a fifth of the bytes of a rendered PNG
+
 _LONGEST = 16383  # pixels on a side of a WebP
 
 

@@ -1,18 +1,28 @@
 """Text of files as HTML: whatever a file says is shown, never obeyed."""
 
+import base64
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import repeat
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+from jinja2 import ChainableUndefined, TemplateError
+from jinja2.sandbox import SandboxedEnvironment
 from markdown_it import MarkdownIt
 from markdown_it.renderer import RendererHTML
 from markdown_it.token import Token
 from markupsafe import Markup, escape
 
+from tetgan.errors import UserError
+
 _NUMBER = re.compile(r"(—|[-+]?\d[\d,.]*(e[-+]?\d+)?\s*($|[±\[(%]))")
+
 _ASIDE = re.compile(r"(?P<paper>\(paper [^()]*\))|(?P<interval>\[[-+\d.,e ]+\])")
+
 _PAPERS = re.compile(r"paper\b(?!')|.*[_ ]paper$", re.IGNORECASE)  # title of a column of the paper's figures
+
 _DEEPER = 2  # headings of a file stand this many levels below those of the page
 
 
@@ -113,3 +123,34 @@ class _Renderer(RendererHTML):
 
 def _level(token: Token) -> int:
     return min(int(token.tag[1]) + _DEEPER, 6)
+
+
+_ENVIRONMENT = SandboxedEnvironment(undefined=ChainableUndefined, autoescape=False)
+
+
+def read_caption(
+    folder: Path | None, names: Sequence[str], wildcards: Mapping[str, str], config: Mapping[str, Any]
+) -> Markup:
+    """Caption from the first of `{folder}/{name}.rst` that exists; empty where none does.
+
+    The files are templates that may use `snakemake.wildcards` and `snakemake.config`; what these lack stays
+    empty. Of reStructuredText
+    only what Markdown shares is understood: paragraphs, lists, emphasis and ``literals``.
+
+    Raises:
+        UserError: a caption is not a valid template.
+    """
+    found = [path for name in names if folder and (path := folder / f"{name}.rst").is_file()]
+    if not found:
+        return Markup("")
+    job = SimpleNamespace(wildcards=SimpleNamespace(**wildcards), config=config)
+    try:
+        text = _ENVIRONMENT.from_string(found[0].read_text()).render(snakemake=job)
+    except TemplateError as error:
+        raise UserError(f"{found[0]}: not a valid caption: {error}") from None
+    return markdown_html(text)
+
+
+def data_uri(content: bytes, kind: str) -> str:
+    """`content` as an address that holds it; `kind` is its media type."""
+    return f"data:{kind};base64,{base64.b64encode(content).decode()}"

@@ -15,8 +15,7 @@ import pandas as pd
 from jaxtyping import Float, Int, UInt8
 
 from tetgan.errors import UserError
-from tetgan.grids.grid import tet_volumes
-from tetgan.meshing.quality import dihedral_angles, radius_ratios
+from tetgan.geometry.tets import dihedral_angles, radius_ratios, tet_volumes
 
 BUDGET = 6_000_000
 """Characters of all packed solids together."""
@@ -25,7 +24,9 @@ REGULAR_DIHEDRAL = float(np.degrees(np.arccos(1 / 3)))
 """Degrees: the most that the smallest dihedral angle of a tet can be."""
 
 _INVERTED = 255  # code of a tet of no or negative volume; a quality has the codes below
+
 _LEVELS = 254
+
 _STEPS = 65535
 
 log = logging.getLogger(__name__)

@@ -9,14 +9,13 @@ import pandas as pd
 from markupsafe import Markup
 
 from tetgan.errors import UserError
-from tetgan.report.captions import read_caption
-from tetgan.report.datauri import data_uri
-from tetgan.report.markup import markdown_html, table_html
+from tetgan.report.markup import data_uri, markdown_html, read_caption, table_html
 
 MOST_COLUMNS = 12
 """A CSV without a Markdown twin shows this many columns."""
 
 _SUPPLEMENT = ("fid", "variety", "reconstruction")  # the supplement's tables share a caption
+
 _LAST = ("dataset", "runtime")  # about the run, not about the models
 
 

@@ -11,11 +11,14 @@ import pandas as pd
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
-from tetgan.shapes.soup import Soup
+from tetgan.geometry.triangles import TriangleMesh
 
 _RECORDS = "records.csv"
+
 _TEXTS = ("id", "path", "sha256", "split", "status", "reason")
+
 _NUMBERS = ("faces_in", "faces_out", "volume", "distance", "filled_share", "seconds")
+
 _COLUMNS: dict[str, Any] = dict.fromkeys(_TEXTS, str) | dict.fromkeys(_NUMBERS, float)
 
 
@@ -54,7 +57,7 @@ def read_meshes(path: Path) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
                 yield shape_id, vertices, _read_array(archive, f"{shape_id}/faces.npy").astype(np.int64)
 
 
-def read_mesh(path: Path, shape_id: str) -> Soup:
+def read_mesh(path: Path, shape_id: str) -> TriangleMesh:
     """One mesh of a shard.
 
     Raises:
@@ -62,13 +65,13 @@ def read_mesh(path: Path, shape_id: str) -> Soup:
     """
     with _open(path) as archive:
         vertices = _read_array(archive, f"{shape_id}/vertices.npy")
-        return Soup(vertices, _read_array(archive, f"{shape_id}/faces.npy").astype(np.int64))
+        return TriangleMesh(vertices, _read_array(archive, f"{shape_id}/faces.npy").astype(np.int64))
 
 
-def pick_meshes(paths: Sequence[Path], ids: Iterable[str]) -> dict[str, Soup]:
+def pick_meshes(paths: Sequence[Path], ids: Iterable[str]) -> dict[str, TriangleMesh]:
     """Some meshes of several shards, by id; an id that none of them holds is left out."""
     wanted = set(ids)
-    found: dict[str, Soup] = {}
+    found: dict[str, TriangleMesh] = {}
     for path in paths:
         with _open(path) as archive:
             held = {name.rpartition("/")[0] for name in archive.namelist()}

@@ -9,9 +9,8 @@ import pandas as pd
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.shapes.archive import read_records, read_table
-from tetgan.shapes.entries import ShapeEntry
+from tetgan.shapes.entries import ShapeEntry, assign_splits
 from tetgan.shapes.options import SplitOptions
-from tetgan.shapes.splits import assign_splits
 
 
 def gather_catalogue(shards: Sequence[Path], split: SplitOptions, out: Path) -> None:

@@ -12,12 +12,13 @@ from rich.progress import track
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes.cleaning import clean_mesh
+from tetgan.shapes.entries import assign_splits
 from tetgan.shapes.normalise import normalise
 from tetgan.shapes.options import SourceOptions, SplitOptions
 from tetgan.shapes.sampling import sample_exterior
-from tetgan.shapes.soup import Soup, clean_soup
 from tetgan.shapes.sources import list_shapes, load_shape
-from tetgan.shapes.splits import assign_splits
 
 _log = logging.getLogger(__name__)
 
@@ -101,7 +102,9 @@ def read_clouds(path: Path) -> Clouds:
         raise UserError(f"{path}: not a file of clouds ({error})") from None
 
 
-def _sample_shape(soup: Soup, *, points: int, margin: float, seed: list[int]) -> Float[np.ndarray, "P 3"]:
-    soup = clean_soup(soup)
+def _sample_shape(
+    soup: TriangleMesh, *, points: int, margin: float, seed: list[int]
+) -> Float[np.ndarray, "P 3"]:
+    soup = clean_mesh(soup)
     drawn, _ = sample_exterior(normalise(soup.vertices, margin), soup.faces, points, seed)
     return drawn.astype(np.float32)

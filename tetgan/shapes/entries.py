@@ -1,10 +1,14 @@
-"""What a source lists: names of shapes, safe to use as file names."""
+"""Shapes that a source lists, their names, and their split."""
 
 import hashlib
 import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+
+import numpy as np
+
+from tetgan.shapes.options import SplitOptions
 
 _LONGEST_ID = 100
 
@@ -56,3 +60,19 @@ def _safe_name(name: str) -> str:
 
 def _digest(text: str, length: int = 8) -> str:
     return hashlib.sha256(text.encode(errors="surrogateescape")).hexdigest()[:length]
+
+
+def assign_splits(entries: Sequence[ShapeEntry], options: SplitOptions) -> dict[str, str]:
+    """Id to 'train', 'validation' or 'holdout', for all listed shapes of a category.
+
+    A source's own split stands. The others are permuted by the seed, and the first of every `validation`
+    of them, rounded, validates. What repair makes of a shape plays no part, so every stage agrees.
+    """
+    splits = {entry.id: entry.split for entry in entries if entry.split is not None}
+    free = sorted(entry.id for entry in entries if entry.split is None)
+    order = np.random.default_rng(options.seed).permutation(len(free))
+    validating = round(len(free) / options.validation)
+    splits |= {
+        free[position]: "validation" if rank < validating else "train" for rank, position in enumerate(order)
+    }
+    return splits

@@ -11,22 +11,28 @@ from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from tetgan.shapes.rays import Visibility, spread_directions
-from tetgan.shapes.soup import Soup
+from tetgan.geometry.rays import Visibility, spread_directions
+from tetgan.geometry.triangles import TriangleMesh
 
 _CELLS = 40  # voxels along the longest side: insides of one or two voxels (5 %) are too small to matter
+
 _DIRECTIONS = 48  # over the whole sphere
+
 _WALLS_ASKED = 24  # of these
+
+
 # A hollow has a core walled in nearly all around, and reaches to where a little more than half is walled;
 # sheets are the greater part of those walls. An open half sphere walls in at most 0.85, at its pole, so bowls
 # and shells to sit in have no core; a square tray has one in its corners if it is deeper than about a quarter
 # of its width.
 _CORE_WALLED = 0.9
+
 _EDGE_WALLED = 0.55
+
 _SHEETS = 0.5
 
 
-def find_hollow(solid: Soup, sheet_thickness: float) -> Soup | None:
+def find_hollow(solid: TriangleMesh, sheet_thickness: float) -> TriangleMesh | None:
     """A plug: closed surfaces that fill what is hollow in a watertight solid, or None if nothing is.
 
     Args:
@@ -46,11 +52,11 @@ def find_hollow(solid: Soup, sheet_thickness: float) -> Soup | None:
     cells = np.stack(np.unravel_index(np.arange(filled.size), filled.shape, order="F"), axis=1)
     places = origin + step * (cells - 1)
     vertices, faces, _ = igl.marching_cubes(-filled.ravel(order="F"), places, *filled.shape, -0.5)
-    return Soup(_snap(vertices, solid, reach=1.5 * step), faces.astype(np.int64))
+    return TriangleMesh(_snap(vertices, solid, reach=1.5 * step), faces.astype(np.int64))
 
 
 def hollow_voxels(
-    solid: Soup, sheet_thickness: float
+    solid: TriangleMesh, sheet_thickness: float
 ) -> tuple[Bool[np.ndarray, "X Y Z"], Float[np.ndarray, "3"], float]:
     """Which voxels are hollow, the centre of the first one, and their size."""
     import igl  # noqa: PLC0415
@@ -69,7 +75,7 @@ def hollow_voxels(
     return ndimage.binary_opening(hollow.reshape(shape)), points[0], step
 
 
-def _voxels(solid: Soup) -> tuple[Float[np.ndarray, "P 3"], tuple[int, int, int], float]:
+def _voxels(solid: TriangleMesh) -> tuple[Float[np.ndarray, "P 3"], tuple[int, int, int], float]:
     """Centres of the voxels of the bounding box, z fastest; how many along each axis; their size."""
     low, high = solid.vertices.min(axis=0), solid.vertices.max(axis=0)
     step = float((high - low).max()) / _CELLS
@@ -124,7 +130,7 @@ def _label_rooms(
     return connected_components(graph, directed=False)[1].astype(np.int64)
 
 
-def _snap(vertices: Float[np.ndarray, "V 3"], solid: Soup, reach: float) -> Float[np.ndarray, "V 3"]:
+def _snap(vertices: Float[np.ndarray, "V 3"], solid: TriangleMesh, reach: float) -> Float[np.ndarray, "V 3"]:
     """Vertices within reach of the solid moved onto it."""
     import igl  # noqa: PLC0415
 

@@ -12,11 +12,13 @@ from typing import ClassVar, Protocol, TypeVar, runtime_checkable
 
 import numpy as np
 
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.messages import read_message, write_message
-from tetgan.shapes.soup import ShapeError, Soup
 
 # The child watches its own processor time; one that sleeps is waited for this long, on a busy machine too.
 _START_SECONDS = 60.0
+
 _PATIENCE = 20.0  # wall seconds a processor second
 
 
@@ -72,12 +74,12 @@ class MeshWorker:
                 stream.close()
         process.wait()
 
-    def _send(self, soup: Soup) -> Soup:
+    def _send(self, soup: TriangleMesh) -> TriangleMesh:
         """One mesh through the child, and what it makes of it; see `_exchange`."""
         answer = self._exchange(soup)
-        return Soup(answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 3))
+        return TriangleMesh(answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 3))
 
-    def _exchange(self, soup: Soup) -> dict[str, np.ndarray]:
+    def _exchange(self, soup: TriangleMesh) -> dict[str, np.ndarray]:
         """One mesh through the child, and its answer by name.
 
         Raises:
@@ -126,7 +128,7 @@ class RepairWorker(MeshWorker):
 
     task = "repair"
 
-    def repair(self, soup: Soup) -> Soup:
+    def repair(self, soup: TriangleMesh) -> TriangleMesh:
         """One mesh through the child.
 
         Raises:
@@ -140,7 +142,7 @@ class SimplifyWorker(MeshWorker):
 
     task = "simplification"
 
-    def simplify(self, soup: Soup) -> Soup:
+    def simplify(self, soup: TriangleMesh) -> TriangleMesh:
         """One mesh through the child; one that has few enough faces stays as it is.
 
         Raises:

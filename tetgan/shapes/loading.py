@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
-from tetgan.shapes.soup import ShapeError, Soup
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes.cleaning import ShapeError
 
 MESH_SUFFIXES = frozenset({".obj", ".off", ".ply", ".stl", ".glb"})
+
 LARGEST_FILE = 512 * 2**20
 
 
@@ -44,7 +46,7 @@ def read_zip_member(path: Path, member: str) -> bytes:
     return data
 
 
-def parse_mesh(data: bytes, suffix: str) -> Soup:
+def parse_mesh(data: bytes, suffix: str) -> TriangleMesh:
     """Triangles of a mesh file; the parts of a scene are placed and joined, polygons triangulated.
 
     Reading from memory, trimesh has no folder to resolve a material, texture or buffer from.
@@ -66,7 +68,7 @@ def parse_mesh(data: bytes, suffix: str) -> Soup:
         raise ShapeError(f"unreadable mesh: {type(error).__name__}") from None
     if not len(faces):
         raise ShapeError("no faces")
-    return Soup(vertices.reshape(-1, 3), faces.reshape(-1, 3))
+    return TriangleMesh(vertices.reshape(-1, 3), faces.reshape(-1, 3))
 
 
 def _split_off_header(data: bytes) -> bytes:

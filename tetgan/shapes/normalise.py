@@ -7,7 +7,7 @@ from jaxtyping import Float
 def normalise(vertices: Float[np.ndarray, "V 3"], margin: float) -> Float[np.ndarray, "V 3"]:
     """Bounding box centred in the unit cube, its longest side 1 - 2 `margin`.
 
-    Vertices that no face uses count too; `clean_soup` removes them.
+    Vertices that no face uses count too; `clean_mesh` removes them.
 
     Raises:
         ValueError: the vertices do not span a box, or no room is left between the margins.

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes.cleaning import ShapeError, clean_mesh
 from tetgan.shapes.hollow import find_hollow
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.normalise import normalise
 from tetgan.shapes.options import RepairOptions
 from tetgan.shapes.sampling import sample_exterior
-from tetgan.shapes.soup import ShapeError, Soup, clean_soup
 
 _DISTANCE_POINTS = 2000
 
@@ -27,21 +28,21 @@ class Repaired:
         distance: mean from what can be seen of the raw surface to the solid.
     """
 
-    solid: Soup
+    solid: TriangleMesh
     volume: float
     filled_share: float
     hollow: bool
     distance: float
 
 
-def repair_shape(soup: Soup, worker: RepairWorker, options: RepairOptions) -> Repaired:
+def repair_shape(soup: TriangleMesh, worker: RepairWorker, options: RepairOptions) -> Repaired:
     """Repair one raw shape; lengths are in units of its longest side.
 
     Raises:
         ShapeError: it cannot be used, or what comes back from the repair is not a solid.
     """
-    raw = clean_soup(soup)
-    raw = Soup(normalise(raw.vertices, margin=0.0), raw.faces)
+    raw = clean_mesh(soup)
+    raw = TriangleMesh(normalise(raw.vertices, margin=0.0), raw.faces)
     solid = worker.repair(raw)
     volume = check_solid(solid)
     distances = surface_distances(raw, solid)
@@ -62,7 +63,7 @@ def repair_shape(soup: Soup, worker: RepairWorker, options: RepairOptions) -> Re
     return Repaired(solid, volume, filled_share, plug is not None, float(distances.mean()))
 
 
-def check_solid(solid: Soup) -> float:
+def check_solid(solid: TriangleMesh) -> float:
     """Volume of a mesh that is finite, closed, consistently oriented outward and not empty.
 
     Raises:
@@ -80,7 +81,7 @@ def check_solid(solid: Soup) -> float:
     return float(mesh.volume)
 
 
-def surface_distances(raw: Soup, solid: Soup) -> Float[np.ndarray, "P"]:
+def surface_distances(raw: TriangleMesh, solid: TriangleMesh) -> Float[np.ndarray, "P"]:
     """Distances to the solid from points spread over what can be seen of the raw surface."""
     import igl  # noqa: PLC0415
 
@@ -92,14 +93,14 @@ def surface_distances(raw: Soup, solid: Soup) -> Float[np.ndarray, "P"]:
     return np.sqrt(squared)
 
 
-def _join(first: Soup, second: Soup) -> Soup:
-    return Soup(
+def _join(first: TriangleMesh, second: TriangleMesh) -> TriangleMesh:
+    return TriangleMesh(
         np.concatenate([first.vertices, second.vertices]),
         np.concatenate([first.faces, second.faces + len(first.vertices)]),
     )
 
 
-def simplify_solid(solid: Soup, faces: int) -> Soup:
+def simplify_solid(solid: TriangleMesh, faces: int) -> TriangleMesh:
     """Quadric decimation to a number of faces."""
     import fast_simplification  # noqa: PLC0415
 
@@ -108,4 +109,4 @@ def simplify_solid(solid: Soup, faces: int) -> Soup:
     vertices, kept = fast_simplification.simplify(
         solid.vertices.astype(np.float32), solid.faces.astype(np.int32), target_count=faces
     )
-    return Soup(vertices.astype(np.float64), kept.astype(np.int64))
+    return TriangleMesh(vertices.astype(np.float64), kept.astype(np.int64))

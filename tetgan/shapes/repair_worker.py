@@ -20,6 +20,7 @@ from tetgan.shapes.messages import read_message, write_message
 from tetgan.shapes.options import RepairOptions, SimplifyOptions
 
 Arrays = tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]
+
 _MEMORY_BYTES = 6 * 2**30  # address space; the libraries need well below 1 GiB on sane shapes
 
 

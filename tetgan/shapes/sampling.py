@@ -5,13 +5,16 @@ from collections.abc import Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.shapes.rays import Visibility
+from tetgan.geometry.rays import Visibility
 
 # Directions tried on each side of a point, over its half sphere: neighbours are about 18 degrees apart, so
 # what can be seen only through a chink narrower than that may count as inside.
 _DIRECTIONS = 64
+
+
 # Start of a ray above its point, in longest sides: clear of its own face in float32, below any real wall.
 _LIFT = 1e-4
+
 _ROUNDS = 8
 
 Points = Float[np.ndarray, "P 3"]

@@ -13,15 +13,16 @@ from rich.progress import track
 
 from tetgan.errors import UserError
 from tetgan.shapes.archive import write_meshes
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.entries import ShapeEntry
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.normalise import normalise
 from tetgan.shapes.options import RepairOptions, SourceOptions
 from tetgan.shapes.repair import Repaired, repair_shape
-from tetgan.shapes.soup import ShapeError
 from tetgan.shapes.sources import digest_shape, list_shapes, load_shape
 
 Record = dict[str, Any]
+
 _log = logging.getLogger(__name__)
 
 

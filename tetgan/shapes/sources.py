@@ -8,20 +8,22 @@ from typing import Any
 import numpy as np
 
 from tetgan.errors import UserError
-from tetgan.shapes.adaptors import coseg, directory, modelnet, shapenet, sweethome3d
+from tetgan.geometry.triangles import TriangleMesh
+from tetgan.shapes import collections, sweethome3d
 from tetgan.shapes.builtin.generate import CATEGORIES, generate_shape
+from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.entries import ShapeEntry, draw_entries, name_entries
 from tetgan.shapes.loading import parse_mesh, read_file
 from tetgan.shapes.options import BuiltinSource, FolderSource, SourceOptions, SweetHome3DSource
-from tetgan.shapes.soup import ShapeError, Soup
 
 _LISTERS: dict[str, Callable[[Any, str], Iterable[tuple[str, str, str | None]]]] = {
-    "directory": directory.list_places,
-    "shapenet": shapenet.list_places,
-    "coseg": coseg.list_places,
-    "modelnet": modelnet.list_places,
-    "sweethome3d": sweethome3d.list_places,
+    "directory": collections.list_directory,
+    "shapenet": collections.list_shapenet,
+    "coseg": collections.list_coseg,
+    "modelnet": collections.list_modelnet,
+    "sweethome3d": sweethome3d.list_sweethome3d,
 }
+
 _Z_UP_TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 
 
@@ -41,7 +43,7 @@ def list_shapes(source: SourceOptions, category: str) -> list[ShapeEntry]:
     return draw_entries(entries, source.limit)
 
 
-def load_shape(source: SourceOptions, category: str, entry: ShapeEntry) -> Soup:
+def load_shape(source: SourceOptions, category: str, entry: ShapeEntry) -> TriangleMesh:
     """Triangles of an entry, y up, otherwise as they come.
 
     Raises:
@@ -49,14 +51,14 @@ def load_shape(source: SourceOptions, category: str, entry: ShapeEntry) -> Soup:
     """
     if isinstance(source, BuiltinSource):
         shape = generate_shape(category, int(entry.path), source.seed)
-        return Soup(shape.vertices, shape.faces)
+        return TriangleMesh(shape.vertices, shape.faces)
     soup = parse_mesh(_read(source, entry), PurePosixPath(entry.path).suffix.lower())
     vertices = soup.vertices
     if isinstance(source, SweetHome3DSource):
         vertices = vertices @ sweethome3d.model_rotation(source, entry.path).T
     if source.up == "z":
         vertices = vertices @ _Z_UP_TO_Y_UP.T
-    return Soup(vertices, soup.faces)
+    return TriangleMesh(vertices, soup.faces)
 
 
 def digest_shape(source: SourceOptions, category: str, entry: ShapeEntry) -> str:

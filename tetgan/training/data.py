@@ -1,4 +1,4 @@
-"""A split of a field store as batches on a device: all of it kept there, or read from disk ahead of use."""
+"""Training data on a device: fields, points and voxels of a split."""
 
 import hashlib
 import os
@@ -7,21 +7,112 @@ from collections import deque
 from collections.abc import Iterable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import cached_property
-from typing import Literal, NamedTuple
+from pathlib import Path
+from typing import Literal, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, Float16, Int
+from jaxtyping import Bool, Float, Float16, Float32, Int
 from torch import Tensor
+from torch.nn import functional
 
+from tetgan.errors import UserError
 from tetgan.fields.dataset import Split
 from tetgan.fields.store import FieldStore
+from tetgan.fields.voxels import CLAMP
+
+
+@runtime_checkable
+class PointSource(Protocol):
+    """A `PointStore`, as far as training needs it."""
+
+    @property
+    def digest(self) -> str: ...
+
+    def ids(self, split: Split) -> list[str]: ...
+
+    def read(self, shape_id: str) -> tuple[Float32[np.ndarray, "N 3"], Bool[np.ndarray, "N"]]: ...
+
+
+@runtime_checkable
+class VoxelSource(Protocol):
+    """A `VoxelStore`, as far as training needs it."""
+
+    @property
+    def digest(self) -> str: ...
+
+    def ids(self, split: Split) -> list[str]: ...
+
+    def read(self, shape_id: str) -> Float32[np.ndarray, "R R R"]: ...
+
+
+class PointData:
+    """Points and their occupancy: seven bytes a point, as stores keep half precision only."""
+
+    def __init__(self, store: PointSource, split: Split) -> None:
+        points, occupancy = [], []
+        for shape_id in store.ids(split):
+            positions, inside = store.read(shape_id)
+            points.append(torch.from_numpy(positions).half())
+            occupancy.append(torch.from_numpy(inside))
+        self.points = torch.stack(points) if points else torch.empty(0, 0, 3).half()
+        self.occupancy = torch.stack(occupancy) if occupancy else torch.empty(0, 0, dtype=torch.bool)
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    def random(
+        self, rows: Int[Tensor, "B"], count: int, draws: torch.Generator, device: torch.device
+    ) -> Float[Tensor, "B N 4"]:
+        """Random points of some shapes: position in the unit cube, then occupancy."""
+        places = torch.randint(self.points.shape[1], (len(rows), count), generator=draws)
+        return self._batch(rows, places, device)
+
+    def first(self, rows: Int[Tensor, "B"], count: int, device: torch.device) -> Float[Tensor, "B N 4"]:
+        """The same points every time."""
+        places = torch.arange(min(count, self.points.shape[1])).expand(len(rows), -1)
+        return self._batch(rows, places, device)
+
+    def _batch(
+        self, rows: Int[Tensor, "B"], places: Int[Tensor, "B N"], device: torch.device
+    ) -> Float[Tensor, "B N 4"]:
+        points, occupancy = self.points[rows[:, None], places], self.occupancy[rows[:, None], places]
+        return torch.cat([points.to(device).float(), occupancy.to(device).float()[..., None]], dim=-1)
+
+
+class VoxelData:
+    """Signed distances in units of the clamp, -1 to 1: two bytes a voxel."""
+
+    def __init__(self, store: VoxelSource, split: Split) -> None:
+        voxels = [torch.from_numpy(store.read(shape_id) / CLAMP).half() for shape_id in store.ids(split)]
+        self.voxels = torch.stack(voxels) if voxels else torch.empty(0, 0, 0, 0).half()
+
+    def __len__(self) -> int:
+        return len(self.voxels)
+
+    @property
+    def resolution(self) -> int:
+        """Voxels along a side."""
+        return self.voxels.shape[-1]
+
+    def batch(
+        self, rows: Int[Tensor, "B"], device: torch.device, resolution: int | None = None
+    ) -> Float[Tensor, "B R R R"]:
+        """Some shapes; at a lower resolution the distance at the centre of each larger voxel."""
+        voxels = self.voxels[rows].to(device).float()
+        if resolution in {None, self.resolution}:
+            return voxels
+        return functional.interpolate(voxels[:, None], size=3 * (resolution,), mode="trilinear")[:, 0]
+
 
 CHUNK = 64  # shapes converted at a time, so that single precision never holds the whole split
+
 AHEAD = 2  # batches read before they are asked for
+
 LARGEST_SHARE = 0.25  # of the device's memory that fields may take up
 
 CPU = torch.device("cpu")
+
 Placement = Literal["auto", "resident", "streamed"]
 
 
@@ -138,3 +229,15 @@ def _memory(device: torch.device) -> int:
     if device.type == "cuda":
         return torch.cuda.get_device_properties(device).total_memory
     return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+
+
+def open_training(index: Path) -> FieldStore:
+    """The data set of an `index.json`.
+
+    Raises:
+        UserError: the index is missing or malformed, or no shape of it is for training.
+    """
+    store = FieldStore.open(index)
+    if not store.ids("train"):
+        raise UserError(f"{index}: no training shapes; add shapes to the source")
+    return store

@@ -1,6 +1,7 @@
-"""The loop that trains every model. Killed and run again, it ends with the same weights."""
+"""The training loop of every model. Killed and run again, it ends with the same weights."""
 
 import logging
+import math
 import time
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
@@ -10,14 +11,25 @@ from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import Int
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from torch import Tensor, nn
 
-from tetgan.training.checkpoint import load_checkpoint, save_checkpoint
+from tetgan.fields.samplings import open_sampling
+from tetgan.grids.hierarchy import GridHierarchy
+from tetgan.models.files import save_generator
+from tetgan.models.method import MethodOptions
+from tetgan.models.registry import method_of
+from tetgan.training.checkpoint import load_checkpoint, run_digest, save_checkpoint
+from tetgan.training.data import open_training
+from tetgan.training.learner import Learner
+from tetgan.training.log import COLUMNS, Losses, RunLog
+from tetgan.training.options import CommonTraining
 from tetgan.training.processes import process_place
-from tetgan.training.runlog import COLUMNS, Losses, RunLog
 
 log = logging.getLogger(__name__)
+
 
 # Options that may change between a run and its resumption: the weights depend on them by rounding at most.
 WITHOUT_EFFECT = {
@@ -136,3 +148,120 @@ def _deterministic() -> Iterator[None]:
         yield
     finally:
         torch.use_deterministic_algorithms(before)
+
+
+def train_learner(
+    index: Path, options: MethodOptions, training: CommonTraining, seed: int, folder: Path
+) -> None:
+    """Train the learner of a model's kind on the training split of an index.
+
+    One that diverges is no error: the weights of the last epoch without infinities are kept, and
+    `options.json` says in which epoch it happened.
+
+    Args:
+        index: `index.json` of the fields or the sampling that the model names.
+        folder: receives `options.json`, `weights.safetensors`, `log.csv`, `events/` and `checkpoint.pt`.
+
+    Raises:
+        UserError: the index does not hold what the model learns from.
+    """
+    kind = method_of(options)
+    store = open_training(index) if kind.sampling is None else open_sampling(index, kind.sampling["kind"])
+    learner = kind.load("learner")(options, training, store, seed)
+    hierarchy = getattr(store, "hierarchy", None)
+    KindTrainer(learner, options, training, seed, folder, hierarchy=hierarchy).run()
+
+
+class KindTrainer(TrainingLoop):
+    """A run of a learner."""
+
+    def __init__(
+        self,
+        learner: Learner,
+        options: MethodOptions,
+        training: CommonTraining,
+        seed: int,
+        folder: Path,
+        *,
+        hierarchy: GridHierarchy | None = None,
+    ) -> None:
+        self.learner, self.options, self.training, self.hierarchy = learner, options, training, hierarchy
+        self.columns = ("epoch", "seconds", *learner.losses)
+        self.last_finite = LastFinite(learner.generator)
+        own = options.model_dump(exclude={"training", "meshing"})
+        digests = {
+            "options": run_digest(model=own, training=training.model_dump(exclude=WITHOUT_EFFECT), seed=seed),
+            "data": learner.data_digest,
+        }
+        super().__init__(
+            folder,
+            seed,
+            epochs=learner.epochs,
+            steps_per_epoch=math.ceil(learner.shapes / training.batch_size),
+            checkpoint_seconds=training.checkpoint_seconds,
+            digests=digests,
+        )
+
+    def take_step(self, draws: torch.Generator) -> Losses:
+        return self.learner.take_step(self._rows(), self.step, self.step / self.steps_per_epoch, draws)
+
+    def _rows(self) -> Int[Tensor, "B"]:
+        """The shapes of this step. Each epoch has an order of its own, cut into parts as equal as can be."""
+        epoch, place = divmod(self.step, self.steps_per_epoch)
+        order = torch.randperm(self.learner.shapes, generator=step_draws(self.seed, self.steps + epoch))
+        return order.tensor_split(self.steps_per_epoch)[place]
+
+    def finish_epoch(self, epoch: int) -> None:
+        """Validate where that is due; give up where a loss or a weight is no longer finite."""
+        further = {"seconds": self.elapsed()}
+        if self.step == self.steps or epoch % self.training.validate_every == 0:
+            further |= self.learner.validate()
+        row = self.log.finish_epoch(epoch, further)
+        if all(map(math.isfinite, row.values())) and self.last_finite.keep():
+            return
+        log.warning("diverged in epoch %d; the weights of the epoch before are kept", epoch)
+        self.last_finite.diverged = epoch
+        self.steps = self.step
+
+    def parts(self) -> dict[str, Any]:
+        return {**self.learner.parts(), "last_finite": self.last_finite}
+
+    def save(self) -> None:
+        """The last weights, or the last finite ones."""
+        self.learner.generator.load_state_dict(self.last_finite.weights)
+        save_generator(
+            self.folder,
+            self.learner.generator,
+            self.options,
+            self.hierarchy,
+            training=self.training.model_dump(mode="json"),
+            seed=self.seed,
+            minutes=round(self.elapsed() / 60, 2),
+            diverged_in_epoch=self.last_finite.diverged,
+        )
+
+
+class LastFinite:
+    """The weights of a module when they were last known to be finite."""
+
+    def __init__(self, module: nn.Module) -> None:
+        self.module = module
+        self.diverged: int | None = None
+        self.weights = self._copy()
+
+    def _copy(self) -> dict[str, Tensor]:
+        return {name: value.detach().clone() for name, value in self.module.state_dict().items()}
+
+    def keep(self) -> bool:
+        """Keep the present weights if they are finite; whether they are."""
+        present = self._copy()
+        finite = all(bool(value.isfinite().all()) for value in present.values())
+        if finite:
+            self.weights = present
+        return finite
+
+    def state_dict(self) -> dict[str, Any]:
+        return {"weights": self.weights, "diverged": self.diverged}
+
+    def load_state_dict(self, state: dict[str, Any]) -> None:
+        self.weights, self.diverged = state["weights"], state["diverged"]

@@ -1,84 +1,53 @@
-"""How TetGAN is trained. The defaults are the paper's."""
+"""Training options: those of every method, and those of one model."""
 
 from typing import Literal
 
 from pydantic import Field
 
+from tetgan.models.method import MethodOptions
+from tetgan.models.registry import method_of
 from tetgan.options import Options
 
 
-class TrainingOptions(Options):
-    """Losses, schedule and optimiser of one training run."""
+class CommonTraining(Options):
+    """What the loop itself heeds."""
 
-    epochs: int = Field(100, ge=1, description="passes over the training split")
-    batch_size: int = Field(30, ge=1, description="shapes a step")
-    learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for the autoencoder")
-    critic_learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for both critics")
-    betas: tuple[float, float] = Field((0.0, 0.9), description="Adam's decay rates of the two moments")
-    decay: Literal["constant", "cosine"] = Field(
-        "constant",
-        description="course of the autoencoder's step size: constant, or a half cosine down to a hundredth",
-    )
-    gradient_clip: float | None = Field(
-        None, gt=0, description="largest gradient norm of the autoencoder; empty: no clipping"
-    )
-
-    head_start: float = Field(
-        0.0,
-        ge=0,
-        lt=1,
-        description="share of the epochs that go around the latent head; it then starts from their features",
-    )
-    positive_weight: float = Field(1.0, gt=0, description="weight of occupied tets in the cross-entropy")
-    displacement_weight: float = Field(
-        1.0,
-        ge=0,
-        description="weight of the squared error of vertex displacements, in units of their range",
-    )
-    kl_weight: float = Field(1.0, ge=0, description="weight towards which the KL term rises")
-    kl_decay: float = Field(
-        0.9935,
-        ge=0,
-        lt=1,
-        description="how much of the rise is left after 5,648 shapes; smaller rises faster",
-    )
-
-    local_weight: float = Field(
-        4.0, description="weight of the local critic's score; 0 leaves it out, below 0 lowers the score"
-    )
-    global_weight: float = Field(
-        0.01, description="weight of the global critic's score; likewise (the official code has -0.01)"
-    )
-    critic_steps: int = Field(3, ge=1, description="critic batches for each adversarial generator batch")
-    gradient_penalty: float = Field(10.0, ge=0, description="weight of the critics' gradient penalty")
-    adversarial_start: float = Field(
-        0.0, ge=0, le=1, description="share of the epochs before the adversarial training begins; 1: never"
-    )
-    adversarial_every: int = Field(1, ge=1, description="autoencoder steps for each adversarial round")
-
-    ema: float | None = Field(
-        None, gt=0, lt=1, description="decay of the running mean of the weights that is kept; empty: none"
-    )
+    batch_size: int = Field(16, ge=1, description="shapes a step")
     device: Literal["auto", "cpu", "cuda"] = Field(
         "auto", description="where to train; auto: CUDA if present"
     )
-    precision: Literal["fp32", "bf16"] = Field(
-        "fp32",
-        description="number format of the networks; bf16 leaves statistics, losses and the penalty in "
-        "single precision, and is slow on most CPUs",
+    validate_every: int = Field(
+        10, ge=1, description="epochs between two validation rows of the log, where there is an encoder"
     )
-    accumulate: int = Field(
-        1, ge=1, description="parts that a batch is computed in, one after the other, to save memory"
-    )
-    checkpointing: bool = Field(
-        False,
-        description="compute features again for the backward pass rather than keep them, to save memory",
-    )
-    fields: Literal["auto", "resident", "streamed"] = Field(
-        "auto",
-        description="fields stay in the device's memory (resident) or are read from disk ahead of use "
-        "(streamed); auto: resident where they take up a quarter of that memory at most",
-    )
-    validate_every: int = Field(10, ge=1, description="epochs between two validation rows of the log")
-    picture_every: int = Field(50, ge=1, description="epochs between two pictures of decoded shapes")
     checkpoint_seconds: float = Field(120.0, ge=0, description="least time between two checkpoints")
+
+
+class FieldTraining(CommonTraining):
+    """A model of fields with one optimiser, Adam."""
+
+    epochs: int = Field(100, ge=1, description="passes over the training split")
+    learning_rate: float = Field(1e-3, gt=0, description="Adam's step size")
+
+
+# What other kinds take from the common training options, which are TetGAN's: these do not touch the weights.
+_COMMON = set(CommonTraining.model_fields) - {"batch_size"}
+
+
+def training_class(model: MethodOptions) -> type[Options]:
+    """The class of training options of a model."""
+    found: type[Options] = method_of(model).load("training")
+    return found
+
+
+def training_options(model: MethodOptions, common: Options) -> Options:
+    """Training options of a model: the common ones, then its own.
+
+    A kind with a class of its own has its own hyperparameters, so of the common options only those count that
+    do not touch the weights.
+
+    Raises:
+        UserError: the model's own options have a key that its kind does not know, or a bad value.
+    """
+    kind = training_class(model)
+    heeded = None if isinstance(common, kind) else _COMMON
+    return kind.parse(common.model_dump(include=heeded) | getattr(model, "training", {}), "training")

@@ -3,15 +3,15 @@
 from pathlib import Path
 
 from tetgan.errors import UserError
-from tetgan.models.kinds import kind_of
-from tetgan.models.options import KindOptions
+from tetgan.models.method import MethodOptions
+from tetgan.models.registry import method_of
 from tetgan.options import Options
 from tetgan.training.processes import launched_together
 
 
 def train_model(
     index: Path,
-    options: KindOptions,
+    options: MethodOptions,
     training: Options,
     seed: int,
     out_folder: Path,
@@ -31,7 +31,7 @@ def train_model(
         UserError: the index is no such data, or has no training shapes; `of` is missing or not needed;
             several processes were started for a model that one trains.
     """
-    kind = kind_of(options)
+    kind = method_of(options)
     if not kind.trained:
         raise UserError(f"--model: nothing is trained for a model of kind '{kind.name}'")
     if kind.of and of is None:

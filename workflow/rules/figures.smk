@@ -49,7 +49,7 @@ rule interpolate_shapes:
         latent=section("latent"),
         meshing=meshing_options,
         code=model_code(
-            "tetgan.studies.interpolation", "meshing", "nn", "models", "studies"
+            "tetgan.studies.latent.interpolation", "meshing", "nn", "models", "studies"
         ),
     shell:
         "tetgan interpolate {params.model:q} {input.index:q} {output.meshes:q}"
@@ -76,7 +76,7 @@ rule add_parts:
         latent=section("latent"),
         meshing=meshing_options,
         code=model_code(
-            "tetgan.studies.arithmetic", "meshing", "nn", "models", "studies"
+            "tetgan.studies.latent.arithmetic", "meshing", "nn", "models", "studies"
         ),
     shell:
         "tetgan arithmetic {params.model:q} {input.index:q} {output.meshes:q}"

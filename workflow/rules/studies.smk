@@ -73,7 +73,7 @@ rule measure_smoothing:
         meshing=section("meshing"),
         evaluation=section("evaluation"),
         code=model_code(
-            "tetgan.studies.smoothing",
+            "tetgan.studies.smoothing.study",
             "meshing",
             "nn",
             "models",

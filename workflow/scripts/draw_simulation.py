@@ -5,11 +5,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetgan.rendering.style import save_plot
-from tetgan.studies.elasticity.figure import draw_simulation, exaggeration
-from tetgan.studies.elasticity.options import SimulationOptions
-from tetgan.studies.simulation import write_simulation
-from tetgan.studies.simulation_study import first_standing
+from tetgan.mechanics.figure import draw_simulation, exaggeration
+from tetgan.mechanics.options import SimulationOptions
+from tetgan.mechanics.simulation import write_simulation
+from tetgan.mechanics.study import first_standing
+from tetgan.rendering.plots import save_plot
 
 
 def draw(samples: Path, model: str, options: SimulationOptions, out: Path) -> None:

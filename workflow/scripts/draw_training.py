@@ -5,8 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tetgan.rendering.curves import draw_curves
-from tetgan.rendering.style import save_plot
+from tetgan.rendering.plots import draw_curves, save_plot
 
 
 def draw(folders: list[Path], names: list[str], seeds: list[int], out: Path) -> None:

@@ -16,9 +16,13 @@ from tetgan.nn.neighbors import SLOTS
 Method = Literal["columns", "first"]
 
 CHUNK_BYTES = 1 << 20  # of a chunk, a thread: gathered rows and what they meet, in a core's own cache
+
 TABLE_BYTES = 96 << 20  # of products, kept from one convolution to the next
+
 _FEWEST = 64  # tets in a chunk; fewer would be all overhead
+
 _NUMBER = 4  # bytes
+
 _LANES = 16  # numbers of a vector register
 
 

@@ -18,8 +18,11 @@ from triton import knobs
 from tetgan.nn.neighbors import SLOTS, Side, TetNeighbors
 
 _SPLITS = 128  # ranges of rows that the gradient of the weights sums side by side
+
 _ROWS = 64  # of a tile in it
+
 _INTERPRETED = knobs.runtime.interpret
+
 
 # Tiles differ in rows only: the order of summation, so the result, does not depend on which one wins.
 _TILES = [

@@ -5,17 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tetgan.shapes.builtin.draws import between, chance, pick
-from tetgan.shapes.builtin.parts import (
-    Part,
-    bar,
-    box,
-    ellipse,
-    lathe,
-    loft,
-    rounded_box,
-    tube,
-    with_mirror,
-)
+from tetgan.shapes.builtin.parts import Part, bar, box, ellipse, lathe, loft, rounded_box, tube, with_mirror
 
 
 @dataclass(frozen=True)
@@ -39,12 +29,19 @@ class Style:
 
 
 _SEDAN = ((0.0, 0.93), (0.06, 1.0), (0.25, 1.0), (0.6, 1.0), (0.72, 0.97), (0.93, 0.82), (1.0, 0.68))
+
 _HATCH = ((0.0, 0.95), (0.05, 1.0), (0.3, 1.0), (0.66, 1.0), (0.76, 0.96), (0.94, 0.80), (1.0, 0.66))
+
 _WEDGE = ((0.0, 0.98), (0.08, 1.04), (0.3, 1.0), (0.55, 0.97), (0.68, 0.92), (0.92, 0.66), (1.0, 0.5))
+
 _BOXY = ((0.0, 0.97), (0.03, 1.0), (0.3, 1.0), (0.68, 1.0), (0.74, 0.98), (0.96, 0.9), (1.0, 0.8))
+
 _VAN = ((0.0, 0.98), (0.02, 1.0), (0.3, 1.0), (0.8, 1.0), (0.86, 0.95), (0.97, 0.78), (1.0, 0.65))
+
 _ROUND = ((0.0, 0.45), (0.06, 0.72), (0.18, 0.93), (0.3, 1.0), (0.7, 0.98), (0.9, 0.82), (1.0, 0.45))
+
 _TRUCK = ((0.0, 0.98), (0.02, 1.0), (0.3, 1.0), (0.62, 1.0), (0.72, 1.0), (0.95, 0.93), (1.0, 0.82))
+
 
 # fmt: off
 STYLES: dict[str, Style] = {
@@ -73,6 +70,8 @@ STYLES: dict[str, Style] = {
     "beetle": Style((3.8, 4.2), (1.6, 1.75), (1.42, 1.52), (0.58, 0.63), (0.17, 0.22), (0.31, 0.35),
         _ROUND, (0.14, 0.34, 0.54, 0.70), 1.5),
 }
+
+
 # fmt: on
 
 

@@ -8,6 +8,7 @@ import numpy as np
 Real = float | int
 
 Choice = TypeVar("Choice")
+
 Thing = TypeVar("Thing")
 
 

@@ -14,11 +14,15 @@ from jaxtyping import Float, Int
 from tetgan.shapes.builtin.draws import Real
 
 Vector = Sequence[Real] | np.ndarray  # one point, direction or triple of sizes
+
 Points = Sequence[Sequence[Real] | np.ndarray] | np.ndarray
+
 Varying = Real | Sequence[Real] | np.ndarray  # one number, or one at each place
 
 ROUND_SIDES = 12
+
 ROUNDING_STEPS = 2
+
 SQUARE: Float[np.ndarray, "4 2"] = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 
 

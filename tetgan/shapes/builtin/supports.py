@@ -7,17 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from tetgan.shapes.builtin.draws import between, chance, pick, whole
-from tetgan.shapes.builtin.parts import (
-    SQUARE,
-    Part,
-    bar,
-    box,
-    ellipse,
-    lathe,
-    sweep,
-    tube,
-    with_mirror,
-)
+from tetgan.shapes.builtin.parts import SQUARE, Part, bar, box, ellipse, lathe, sweep, tube, with_mirror
 
 OVERLAP = 0.012  # metres a support reaches into what it carries, so that parts truly intersect
 

@@ -11,6 +11,7 @@ from tetgan.shapes.builtin.draws import Real, between, chance, pick, pick_from, 
 from tetgan.shapes.builtin.parts import Part, ellipse, lathe, tube, with_mirror
 
 Controls = list[tuple[Real, Real]]  # height share and radius over height, smooth in between
+
 LEVELS = 33
 
 

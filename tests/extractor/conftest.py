@@ -1,0 +1,3 @@
+"""Fixtures of these tests."""
+
+from clouds import clouds, extractor  # noqa: F401

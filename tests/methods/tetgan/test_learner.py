@@ -1,0 +1,142 @@
+"""The three kinds of step move what they should, in the direction they should."""
+
+import pytest
+import torch
+
+from tetgan.fields.field import vertex_operator
+from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.methods.tetgan.learner import TetganLearner
+from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
+from tetgan.training.average import WeightAverage
+from tetgan.training.loop import step_draws
+
+HIERARCHY = build_hierarchy(1, 1)
+MODEL = {"grid": "smoke", "width": 4, "code": 6, "local_critic_width": 2, "global_critic_width": 4}
+
+
+def learner(model=None, **training) -> TetganLearner:
+    options = TetganTraining.parse({"learning_rate": 1e-2, "critic_learning_rate": 1e-2} | training)
+    operator = vertex_operator(HIERARCHY.finest)
+    chosen = TetganOptions.parse(MODEL | (model or {}))
+    return TetganLearner(chosen, options, HIERARCHY, operator, seed=0, device=torch.device("cpu"))
+
+
+@pytest.fixture
+def field() -> torch.Tensor:
+    field = torch.rand(4, len(HIERARCHY.finest.tets), 4, generator=torch.Generator().manual_seed(0))
+    field[..., 0] = (field[..., 0] > 0.7).float()
+    return field
+
+
+def snapshot(module) -> list[torch.Tensor]:
+    return [p.detach().clone() for p in module.parameters()]
+
+
+def moved(module, before) -> list[bool]:
+    return [not torch.equal(p, old) for p, old in zip(module.parameters(), before, strict=True)]
+
+
+def test_an_autoencoder_step_moves_both_halves_and_no_critic(field):
+    subject = learner()
+    generator, critics = snapshot(subject.generator), snapshot(subject.critics)
+    losses = subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    assert all(moved(subject.generator, generator))
+    assert not any(moved(subject.critics, critics))
+    assert losses.keys() == {"occupancy_loss", "displacement_loss", "kl"}
+
+
+def test_a_critic_step_moves_critics_alone(field):
+    subject = learner()
+    generator, critics = snapshot(subject.generator), snapshot(subject.critics)
+    subject.critic_step(field, step_draws(0, 0))
+    assert not any(moved(subject.generator, generator))
+    assert any(moved(subject.critics["local"], critics[: len(list(subject.critics["local"].parameters()))]))
+
+
+def test_a_late_critic_learns_at_its_full_rate(field):
+    early, late = learner(), learner()
+    late.set_rate(0.01)
+    for subject in (early, late):
+        subject.critic_step(field, step_draws(0, 0))
+        subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    assert not any(moved(late.critics, snapshot(early.critics)))
+    assert all(moved(late.generator, snapshot(early.generator)))
+
+
+def test_an_adversarial_step_moves_the_decoder_alone():
+    subject = learner()
+    encoder, critics = snapshot(subject.generator.encoder), snapshot(subject.critics)
+    decoder = snapshot(subject.generator.decoder)
+    subject.adversarial_step(4, step_draws(0, 0))
+    assert all(moved(subject.generator.decoder, decoder))
+    assert not any(moved(subject.generator.encoder, encoder) + moved(subject.critics, critics))
+    assert all(p.requires_grad for p in subject.critics.parameters())
+
+
+def test_critics_learn_to_score_real_fields_higher(field):
+    subject = learner(gradient_penalty=1.0)
+    gaps = [subject.critic_step(field, step_draws(0, step)) for step in range(30)]
+    for name in ("local_gap", "global_gap"):
+        assert gaps[-1][name] > gaps[0][name]
+        assert gaps[-1][name] > 0
+
+
+@pytest.mark.parametrize("name", ["local", "global"])
+def test_the_decoder_learns_to_raise_each_score(field, name):
+    # The official code has the wrong sign here.
+    weights = {"local_weight": 0.0, "global_weight": 0.0} | {f"{name}_weight": 1.0}
+    subject = learner(**weights, learning_rate=1e-3)
+    for step in range(5):
+        subject.critic_step(field, step_draws(0, step))
+    assert list(subject.critics) == [name]
+    losses = [subject.adversarial_step(4, step_draws(1, 0))["adversarial_loss"] for _ in range(10)]
+    assert losses[-1] < losses[0]
+
+
+@pytest.mark.parametrize("name", ["local", "global"])
+def test_a_negative_weight_lowers_the_score(field, name):
+    """As in the official code, whose global critic has the wrong sign; the critic itself learns as always."""
+    weights = {"local_weight": 0.0, "global_weight": 0.0} | {f"{name}_weight": -1.0}
+    subject = learner(**weights, learning_rate=1e-3)
+    for step in range(5):
+        subject.critic_step(field, step_draws(0, step))
+    assert list(subject.critics) == [name]
+    scores = [subject.adversarial_step(4, step_draws(1, 0))["adversarial_loss"] for _ in range(10)]
+    assert scores[-1] < scores[0]  # a loss of -(-1) score
+
+
+def test_without_displacement_nothing_but_occupancy_is_learned(field):
+    subject = learner(model={"displacement": False})
+    generator = snapshot(subject.generator)
+    losses = subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    assert all(moved(subject.generator, generator))
+    assert losses["displacement_loss"] == 0
+    losses = subject.critic_step(field, step_draws(0, 0))
+    assert losses.keys() == {"local_gap", "local_penalty", "global_gap", "global_penalty"}
+
+
+def test_shared_convolutions_train_like_others(field):
+    subject = learner(model={"convolution": "shared"})
+    generator, critics = snapshot(subject.generator), snapshot(subject.critics)
+    subject.autoencoder_step(field, 0.1, step_draws(0, 0))
+    subject.critic_step(field, step_draws(0, 0))
+    assert all(moved(subject.generator, generator))
+    assert any(moved(subject.critics, critics))
+
+
+def test_the_average_follows_the_weights():
+    module = torch.nn.Linear(1, 1, bias=False)
+    average = WeightAverage(module, 0.5)
+    start = module.weight.item()
+    with torch.no_grad():
+        module.weight.add_(1)
+    average.update()  # early: keeps min(0.5, 2 / 11)
+    with average.applied():
+        assert module.weight.item() == pytest.approx(start + 9 / 11)
+    assert module.weight.item() == pytest.approx(start + 1)
+
+
+def test_draws_depend_on_seed_and_step():
+    draws = [torch.rand(1, generator=step_draws(*key)).item() for key in ((0, 0), (0, 1), (1, 0), (0, 0))]
+    assert draws[0] == draws[3]
+    assert len(set(draws)) == 3

@@ -1,1 +1,0 @@
-"""Tables across categories, gathered from what other stages measured."""

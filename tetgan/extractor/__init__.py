@@ -1,0 +1,1 @@
+"""The PointNet++ classifier whose features FID and KID compare."""

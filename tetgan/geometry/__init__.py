@@ -1,0 +1,1 @@
+"""Triangle and tet meshes: adjacency, components, volume, inside, rays."""

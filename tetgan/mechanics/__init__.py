@@ -1,0 +1,1 @@
+"""Linear elasticity of solids: assembly, solver, regions, and the study of samples."""

@@ -1,0 +1,1 @@
+"""Generative methods, one folder each: options, network, training."""

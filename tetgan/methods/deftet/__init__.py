@@ -1,0 +1,1 @@
+"""DefTet's surface network (Gao et al. 2020) on the boundary of a TetGAN's occupancy."""

@@ -1,0 +1,1 @@
+"""OccNet without an input (Mescheder et al. 2019)."""

@@ -1,0 +1,1 @@
+"""Ground-truth fields in place of a model."""

@@ -1,0 +1,33 @@
+"""No model: fields as they are, which shows what the grid itself costs."""
+
+from jaxtyping import Float
+from torch import Tensor
+
+from tetgan.grids.hierarchy import GridHierarchy
+from tetgan.methods.representation.options import RepresentationOptions
+from tetgan.models.generator import FieldGenerator
+
+
+class RepresentationGenerator(FieldGenerator):
+    """The field is its own latent. There is no prior to draw from: training fields stand in for samples."""
+
+    is_identity = True
+
+    def __init__(self, options: RepresentationOptions, hierarchy: GridHierarchy) -> None:
+        super().__init__()
+        self.tets = len(hierarchy.finest.tets)
+
+    def fit(self, tets: object) -> None:
+        """There is nothing to fit."""
+
+    @property
+    def latent_shape(self) -> tuple[int, ...]:
+        return (self.tets, 4)
+
+    def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B T 4"]:
+        return field
+
+    def decode(self, latent: Float[Tensor, "B T 4"]) -> Float[Tensor, "B T 4"]:
+        decoded = latent.clone()
+        decoded[..., 0] -= 0.5
+        return decoded

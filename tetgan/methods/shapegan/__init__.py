@@ -1,0 +1,1 @@
+"""ShapeGAN (Kleineberg et al. 2020), the GAN."""

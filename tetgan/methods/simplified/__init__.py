@@ -1,0 +1,1 @@
+"""Another model's samples with fewer faces."""

@@ -1,1 +1,0 @@
-"""Systems that TetGAN is compared with."""

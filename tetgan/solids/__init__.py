@@ -1,0 +1,1 @@
+"""Solid tet meshes: their files, certificates and folders of samples."""

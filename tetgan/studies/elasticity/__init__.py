@@ -1,1 +1,0 @@
-"""Linear elasticity on tet meshes: materials, regions, assembly, solver, and what comes of it."""

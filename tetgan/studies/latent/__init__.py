@@ -1,0 +1,1 @@
+"""The latent space: interpolation, arithmetic, nearest training shapes."""

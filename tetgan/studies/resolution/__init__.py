@@ -1,0 +1,1 @@
+"""The resolution that tetrahedra and voxels need for one torus."""

@@ -1,0 +1,1 @@
+"""What displacement and each smoothing do to surfaces."""

@@ -1,0 +1,52 @@
+"""What the smoothing study of a model leaves in its folder."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from tetgan.errors import UserError
+from tetgan.evaluation.options import EvaluationOptions
+from tetgan.studies.smoothing.smoothers import Variant
+
+SHAPES, REPORT, EXAMPLE = "shapes.csv", "report.json", "example.zip"
+"""A row a shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
+
+REPAIRED = "repaired"
+"""Name of the repaired shape among the variants of it."""
+
+
+class Study(NamedTuple):
+    """Rows of every shape and variant, and the report beside them."""
+
+    rows: pd.DataFrame
+    report: Mapping[str, Any]
+
+    @property
+    def evaluation(self) -> EvaluationOptions:
+        return EvaluationOptions.parse(self.report["evaluation"])
+
+    def of(self, variant: Variant) -> pd.DataFrame:
+        """The rows of one variant, by shape."""
+        mine = (self.rows["smoothing"] == variant.smoothing) & (self.rows["displaced"] == variant.displaced)
+        return self.rows[mine.astype(bool)].set_index("id")
+
+    def of_repaired(self) -> pd.DataFrame:
+        """The repaired shapes held against themselves."""
+        return self.rows[self.rows["smoothing"] == REPAIRED].set_index("id")
+
+
+def read_study(folder: Path) -> Study:
+    """Read what `study_smoothing` wrote.
+
+    Raises:
+        UserError: it is missing or damaged.
+    """
+    kinds: dict[str, Any] = {"id": str, "smoothing": str, "displaced": "boolean"}
+    try:
+        rows = pd.read_csv(folder / SHAPES, dtype=kinds, keep_default_na=False, na_values=[""])
+        return Study(rows, json.loads((folder / REPORT).read_text(encoding="utf-8")))
+    except (OSError, ValueError) as error:
+        raise UserError(f"{folder}: not a smoothing study ({error}); run 'tetgan smoothing' again") from None

@@ -1,0 +1,1 @@
+"""Tables and reports made of metrics, one file each."""

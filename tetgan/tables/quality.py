@@ -1,0 +1,291 @@
+"""Stage: how many meshes are valid solids, and what that takes, both modes side by side."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from jaxtyping import Float, Int
+
+from tetgan.errors import UserError
+from tetgan.evaluation.intervals import bootstrap
+from tetgan.evaluation.options import BootstrapOptions
+from tetgan.evaluation.seeds import named_rng
+from tetgan.solids.folder import KINDS, SampleFolder
+from tetgan.tables.markdown import markdown_table, page, plain, round_value, row_name, write_twins
+from tetgan.tables.paper import read_paper, stated
+
+IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
+
+SUMS = ("inverted_tets", "nonmanifold_edges", "nonmanifold_vertices", "self_intersections", "cavities")
+
+
+# Figure to the column of certificates that it sums up over meshes, and how.
+_STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
+    "valid": ("valid", np.mean),
+    "p1_dihedral": ("p1_dihedral", np.mean),
+    "manifold_edges": ("manifold_edges", np.mean),
+    "components": ("components", np.mean),
+}
+
+_SOLID_STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
+    "changed_median": ("changed", np.median),
+    "changed_p95": ("changed", partial(np.quantile, q=0.95)),
+}
+
+FIGURES = (
+    *("valid", "valid_low", "valid_high"),
+    "inverted_tets",
+    "inverted_share",
+    "min_dihedral",
+    *("p1_dihedral", "p1_dihedral_low", "p1_dihedral_high"),
+    "min_radius_ratio",
+    "radius_ratios",
+    *("manifold_edges", "manifold_edges_low", "manifold_edges_high", "manifold_edges_paper"),
+    "nonmanifold_edges",
+    "nonmanifold_vertices",
+    "self_intersections",
+    *("components", "components_low", "components_high"),
+    "cavities",
+    "dropped_components",
+    *("changed_median", "changed_median_low", "changed_median_high"),
+    *("changed_p95", "changed_p95_low", "changed_p95_high"),
+    *("volume_ratio", "volume_ratio_low", "volume_ratio_high"),
+)
+
+_COUNTS = ("tets", "seeds", "n", "empty", *SUMS, "dropped_components")
+
+_NEEDED = {"id", "set", "valid", "p1_dihedral", "radius_ratios", "changed", "dropped_components", *SUMS}
+
+_TITLES = {
+    "valid": "Valid ↑",
+    "inverted_tets": "Inverted tets ↓",
+    "min_dihedral": "Least angle ↑",
+    "p1_dihedral": "1 % of angles ↑",
+    "min_radius_ratio": "Least radius ratio ↑",
+    "manifold_edges": "Manifold edges ↑",
+    "nonmanifold_edges": "Edges amiss ↓",
+    "nonmanifold_vertices": "Vertices amiss ↓",
+    "self_intersections": "Self-intersections ↓",
+    "components": "Components",
+    "dropped_components": "Dropped",
+    "changed_median": "Changed, median",
+    "changed_p95": "Changed, 95 %",
+    "volume_ratio": "Volume to paper",
+}
+
+_SHARES = {"valid", "manifold_edges", "changed_median", "changed_p95"}
+
+_NOTES = [
+    "Valid: no inverted tet, every boundary edge with two faces, every boundary vertex with one fan of them, "
+    "no self-intersection of the boundary (libigl), no part within another; docs/certificate.md.",
+    "Mode `paper` leaves the mesh as the paper's recipe makes it, `solid` makes it valid; the fields are the "
+    "same. Training and validation shapes are ground-truth fields.",
+    "Inverted tets, edges and vertices amiss, self-intersections and dropped pieces are sums over meshes. "
+    "Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their tets fall "
+    "short of. Components are means. Empty meshes are left out.",
+    "Changed: tets added or removed to make the boundary manifold, as a share of those there were. Volume to "
+    "paper: median over meshes of the volume beside that of mode `paper`.",
+    "The paper states manifold edges of its ground-truth chairs and of generated ones (in parentheses), and "
+    "names neither grid nor smoothing.",
+    "[…]: bootstrap intervals of 95 % over meshes.",
+]
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """A folder that `tetgan sample` wrote, by its place `{category}/{model}/{seed}/{mode}`."""
+
+    folder: Path
+
+    @property
+    def place(self) -> tuple[str, str, str, str]:
+        category, model, seed, mode = self.folder.parts[-4:]
+        return category, model, seed, mode
+
+    @cached_property
+    def tets(self) -> int:
+        """Of the grid; 0 for models without one."""
+        about = self.folder / "about.json"
+        return int(json.loads(about.read_text()).get("tets") or 0) if about.is_file() else 0
+
+    @cached_property
+    def certificates(self) -> dict[str, pd.DataFrame]:
+        """Those of meshes with and without smoothing.
+
+        Raises:
+            UserError: there are none, or they lack columns.
+        """
+        found = {}
+        for path in sorted(self.folder.glob("*/certificate.csv")):
+            certificate = SampleFolder(path.parent).certificate
+            if certificate is None or not _NEEDED.issubset(certificate.columns):
+                raise UserError(f"{path}: no certificate of solids; sample the model again")
+            found[path.parent.name] = certificate
+        if not found:
+            raise UserError(f"{self.folder}: no samples; expected a folder 'none' or 'wls' in it")
+        return found
+
+
+def write_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
+    """Write the table as CSV, and as Markdown beside it.
+
+    Args:
+        samples: folders `…/{category}/{model}/{seed}/{mode}` of models on a grid.
+        paper: published figures (`tetgan.tables.paper`).
+        out: `.csv` to write.
+
+    Raises:
+        UserError: no samples, or a folder that is none of samples.
+    """
+    if not samples:
+        raise UserError(f"{out}: no samples to make a table of")
+    for folder in samples:
+        if len(folder.parts) < 4 or not folder.parts[-2].isdigit():
+            raise UserError(f"{folder}: no folder {{category}}/{{model}}/{{seed}}/{{mode}} of samples")
+    table = build_quality([_Samples(folder) for folder in samples], read_paper(paper))
+    write_twins(table, _render(table), out)
+
+
+def build_quality(samples: Sequence[_Samples], paper: pd.DataFrame) -> pd.DataFrame:
+    """A row a category, model, mode, smoothing and kind of shapes: `IDENTITY`, then `FIGURES`."""
+    rows = [
+        _row(members, smoothing, kind, samples, paper)
+        for members in _of_one_row(samples)
+        for smoothing in members[0].certificates
+        for kind in KINDS
+        if any((member.certificates[smoothing]["set"] == kind).any() for member in members)
+    ]
+    return pd.DataFrame(rows, columns=[*IDENTITY, *FIGURES]).astype(dict.fromkeys(_COUNTS, "Int64"))
+
+
+def _of_one_row(samples: Sequence[_Samples]) -> Iterator[list[_Samples]]:
+    """The seeds of each category, model and mode, in the order in which they come."""
+    groups: dict[tuple[str, str, str], list[_Samples]] = {}
+    for one in samples:
+        category, model, _, mode = one.place
+        groups.setdefault((category, model, mode), []).append(one)
+    yield from groups.values()
+
+
+def _row(
+    members: Sequence[_Samples], smoothing: str, kind: str, samples: Sequence[_Samples], paper: pd.DataFrame
+) -> dict[str, Any]:
+    category, model, _, mode = members[0].place
+    found = [_meshes(member, smoothing, kind) for member in members]
+    meshes = pd.concat(found)
+    solids = meshes[meshes["tets"] > 0]
+    shapes = _shapes(model, kind)
+    known = {"training": "ground truth", "generated": "generated"}  # as the paper calls them
+    own = model.startswith(("tetgan", "representation")) and shapes in known
+    return {
+        "category": category,
+        "model": model,
+        "tets": members[0].tets or None,
+        "mode": mode,
+        "smoothing": smoothing,
+        "shapes": shapes,
+        "seeds": len(members),
+        "n": len(solids),
+        "empty": len(meshes) - len(solids),
+        "manifold_edges_paper": stated(paper, category, known[shapes], "manifold_edges") if own else None,
+        **(_figures(solids, mode) if len(solids) else {}),
+        **_estimate("volume_ratio", _volume_ratios(members, samples, smoothing, kind), np.median),
+    }
+
+
+def _meshes(member: _Samples, smoothing: str, kind: str) -> pd.DataFrame:
+    certificate = member.certificates[smoothing]
+    return certificate[certificate["set"] == kind].set_index("id")
+
+
+def _shapes(model: str, kind: str) -> str:
+    """What the fields are: of a representation they are the ground truth of the two splits."""
+    if model.startswith("representation"):
+        return {"generated": "training", "reconstructed": "validation"}[kind]
+    return kind
+
+
+def _figures(solids: pd.DataFrame, mode: str) -> dict[str, Any]:
+    """Figures of meshes that have tets; what is done in mode `solid` alone is empty in the other."""
+    figures: dict[str, Any] = {name: int(solids[name].sum()) for name in SUMS} | {
+        "inverted_share": float(solids["inverted_tets"].sum() / solids["tets"].sum()),
+        "min_dihedral": float(solids["min_dihedral"].min()),
+        "min_radius_ratio": float(solids["min_radius_ratio"].min()),
+        "radius_ratios": " ".join(map(str, _histogram(solids["radius_ratios"]))),
+    }
+    statistics = _STATISTICS
+    if mode == "solid":
+        figures["dropped_components"] = int(solids["dropped_components"].sum())
+        statistics = _STATISTICS | _SOLID_STATISTICS
+    for name, (column, statistic) in statistics.items():
+        figures |= _estimate(name, solids[column].to_numpy(np.float64), statistic)
+    return figures
+
+
+def _estimate(
+    name: str, values: Float[np.ndarray, "N"], statistic: Callable[..., Any]
+) -> dict[str, float | None]:
+    """The statistic over meshes, and its bootstrap interval; empty of no meshes."""
+    if len(values) == 0:
+        return {}
+    options = BootstrapOptions()
+    interval = bootstrap(values, statistic, options.resamples, options.level, named_rng(0, "quality", name))
+    return {name: float(statistic(values)), f"{name}_low": interval.low, f"{name}_high": interval.high}
+
+
+def _histogram(counts: pd.Series) -> Int[np.ndarray, "B"]:
+    """Sum of histograms, each as numbers with blanks between."""
+    return np.sum([np.array(each.split(), dtype=np.int64) for each in counts], axis=0)
+
+
+def _volume_ratios(
+    members: Sequence[_Samples], samples: Sequence[_Samples], smoothing: str, kind: str
+) -> Float[np.ndarray, "N"]:
+    """Volume of each solid over that of the same field meshed as the paper does; none in mode `paper`."""
+    by_place = {one.place: one for one in samples}
+    ratios: list[float] = []
+    for member in members:
+        category, model, seed, mode = member.place
+        faithful = by_place.get((category, model, seed, "paper"))
+        if mode == "paper" or faithful is None or smoothing not in faithful.certificates:
+            continue
+        own, theirs = (_meshes(one, smoothing, kind) for one in (member, faithful))
+        volumes = own.loc[own["tets"] > 0, "volume"], theirs.loc[theirs["volume"] > 0, "volume"]
+        ratios += volumes[0].div(volumes[1]).dropna().tolist()  # by id
+    return np.array(ratios)
+
+
+def _render(table: pd.DataFrame) -> str:
+    columns: dict[str, Any] = {
+        "Category": table["category"],
+        "Model": table.apply(row_name, axis=1),
+        "Shapes": table["shapes"],
+        "N": table["n"].map(plain),
+    }
+    columns |= {title: table.apply(_cell, axis=1, figure=name) for name, title in _TITLES.items()}
+    return page("Quality of the solids", markdown_table(columns), notes=_NOTES)
+
+
+def _cell(row: pd.Series, figure: str) -> str:
+    printed = row.get(f"{figure}_paper")
+    paper = "" if pd.isna(printed) else f" (paper {printed})"
+    value = row[figure]
+    if pd.isna(value):
+        return f"—{paper}"
+    if figure in _SHARES:
+        return f"{round_value(100 * value)} %{_interval(row, figure, 100)}{paper}"
+    share = f" ({round_value(100 * row['inverted_share'])} %)" if figure == "inverted_tets" and value else ""
+    shown = int(value) if figure in _COUNTS else round_value(value)
+    return f"{shown}{share}{_interval(row, figure)}{paper}"
+
+
+def _interval(row: pd.Series, figure: str, scale: int = 1) -> str:
+    low, high = row.get(f"{figure}_low", np.nan), row.get(f"{figure}_high", np.nan)
+    if np.isnan(low):
+        return ""
+    return f" [{round_value(scale * low)}, {round_value(scale * high)}]"

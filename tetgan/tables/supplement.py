@@ -1,0 +1,128 @@
+"""Stage: one figure of every category side by side, as the three tables of the paper's supplement."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from tetgan.errors import UserError
+from tetgan.tables.category import (
+    estimates_of,
+    group_reports,
+    identity_cells,
+    metric_cells,
+    printed_figures,
+    read_reports,
+    with_whole_counts,
+)
+from tetgan.tables.markdown import cell, markdown_table, page, plain, row_name, write_twins
+from tetgan.tables.notes import extractor_notes
+from tetgan.tables.paper import read_paper
+
+CATEGORIES = ("bench", "sofa", "table", "vase")
+"""Columns, in the paper's order. One that was not run stays, empty but for the paper's figures."""
+
+FIGURES = {"fid": "fid", "variety": "variety", "reconstruction": "chamfer"}
+"""The paper's table and its metric."""
+
+IDENTITY = ("model", "grid", "tets", "mode", "smoothing", "simplified", "reduced", "extractor")
+
+_TITLES = {
+    "fid": "FID ↓ of samples",
+    "variety": "Variety ↑ of samples",
+    "reconstruction": "Chamfer distance ↓ of reconstructions",
+}
+
+_WORDS = {"fid": "FID", "variety": "variety", "reconstruction": "Chamfer"}
+
+_ABOUT_PAPER = (
+    "The paper's figures stand in parentheses as printed: benches and vases are its high-resolution models, "
+    "sofas and tables its low-resolution ones, and it does not say whether they were smoothed. They were "
+    "measured on other shapes, at the paper's sizes and with another extractor: they are no claim of equal "
+    "conditions."
+)
+
+
+def write_supplement(metrics: Sequence[Path], paper: Path, figure: str, out: Path) -> None:
+    """Write the table as CSV, and as Markdown beside it.
+
+    One row a model, mode and smoothing. Missing is empty, never 0.
+
+    Args:
+        metrics: JSONs of `evaluate_model` and `evaluate_real`, of any categories.
+        paper: published figures (`tetgan.tables.paper`).
+        figure: a key of `FIGURES`.
+        out: `.csv` to write.
+
+    Raises:
+        UserError: no metrics, or no such figure.
+    """
+    if figure not in FIGURES:
+        raise UserError(f"figure '{figure}': choose one of {', '.join(FIGURES)}")
+    reports = read_reports(metrics, out)
+    table = build_supplement(reports, read_paper(paper), FIGURES[figure])
+    write_twins(table, _render(table, reports, figure), out)
+
+
+def build_supplement(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, metric: str) -> pd.DataFrame:
+    """For each category c the columns c, c_std, c_low, c_high, c_n, c_paper and c_seeds, after `IDENTITY`.
+
+    `c_n` counts the items that the figure rests on: meshes, or for FID the surfaces on each side.
+    """
+    rows = []
+    for smoothing, members in group_reports(reports):
+        identity = identity_cells(members, smoothing)
+        row = {name: identity[name] for name in IDENTITY}
+        for category in CATEGORIES:
+            printed = printed_figures(paper, category, members, smoothing).get(metric)
+            own = [member for member in members if member["category"] == category]
+            row |= _category_cells(category, estimates_of(own, smoothing, metric), printed)
+        rows.append(row)
+    return with_whole_counts(pd.DataFrame(rows))
+
+
+def _category_cells(
+    category: str, estimates: Sequence[Mapping[str, Any]], printed: str | None
+) -> dict[str, Any]:
+    measured = [estimate for estimate in estimates if estimate.get("value") is not None]
+    return metric_cells(category, estimates, printed) | {f"{category}_seeds": len(measured) or None}
+
+
+def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], figure: str) -> str:
+    cells = {category: table.apply(cell, axis=1, metric=category) for category in CATEGORIES}
+    names = {"Model": table.apply(row_name, axis=1)}
+    counts = {f"{category}: N": table[f"{category}_n"].map(plain) for category in CATEGORIES}
+    made = {
+        "Grid": table["grid"].map(plain),
+        **counts,
+        "Other than the paper's": table["reduced"].map(plain),
+    }
+    return page(
+        _TITLES[figure],
+        _ABOUT_PAPER,
+        markdown_table(names | cells),
+        "## How each row was made",
+        markdown_table(names | made),
+        notes=_notes(reports, figure),
+    )
+
+
+def _notes(reports: Sequence[Mapping[str, Any]], figure: str) -> list[str]:
+    level = 100 * reports[0]["options"]["bootstrap"]["level"]
+    absent = [category for category in CATEGORIES if category not in {r["category"] for r in reports}]
+    remarks = {
+        f"{report['category']}: {note}."
+        for report in reports
+        if report["category"] in CATEGORIES
+        for section in report["smoothings"].values()
+        for note in section["notes"]
+        if _WORDS[figure] in note
+    }
+    return [
+        f"[…]: {level:g} % intervals; ±: over seeds, or for one seed over repeats (variety). "
+        "docs/metrics.md defines every metric.",
+        *([f"Not run: {', '.join(absent)}."] if absent else []),
+        *(extractor_notes(reports) if figure == "fid" else []),
+        *sorted(remarks),
+    ]

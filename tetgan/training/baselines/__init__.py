@@ -1,1 +1,0 @@
-"""How the systems that TetGAN is compared with are trained."""
