@@ -65,7 +65,7 @@ def test_every_backend_of_the_convolution_counts():
 
 def behind(kind: str) -> set[str]:
     modules = ["tetgan.training.run", *find_method(kind).modules]
-    return set(_imported(modules, {"nn", "models", "training"}))
+    return set(_imported(modules, {"nn", "models", "training", "methods"}))
 
 
 def test_kinds_of_this_package_do_not_depend_on_each_other():
