@@ -1,4 +1,4 @@
-"""What a shape costs: its field, its place in the store and its mesh, beside brute force."""
+"""Time of a shape's field, its storage and its mesh, beside brute force."""
 
 import tempfile
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""Figures to a table, to plots of cost against size, and into the page that shows both."""
+"""Write figures to a table, to plots of cost against size, and into docs/performance.md."""
 
 import re
 from collections import defaultdict

@@ -1,4 +1,4 @@
-"""Every benchmark in one run: figures beside their targets, cost against size, docs/performance.md.
+"""Run every benchmark: figures beside their targets, cost against size, docs/performance.md.
 
 python benchmarks/run.py            all, under twenty minutes on two cores; writes the files below
 python benchmarks/run.py --quick    at toy sizes, to see that everything runs; only prints

@@ -1,4 +1,4 @@
-"""What simplifying repaired meshes first saves, and what error it adds to their fields.
+"""Time that simplifying repaired meshes saves, and the error it adds to their fields.
 
 python benchmarks/simplification.py --shapes 8
 python benchmarks/simplification.py --source '{"kind": "directory", "path": "my/chairs"}'

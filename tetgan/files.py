@@ -1,4 +1,4 @@
-"""Files that are either whole or absent."""
+"""Files and folders written whole or not at all."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Base class of every set of options, and how a bad one is reported."""
+"""Base class of all options, and the report of an invalid one."""
 
 import difflib
 from typing import Any, TypeVar

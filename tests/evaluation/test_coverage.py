@@ -1,4 +1,4 @@
-"""MMD, COV and 1-NNA: answers by hand, loops, and sets about which everything is known."""
+"""MMD, COV and 1-NNA: answers by hand, loops, and sets with known answers."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""That each baseline learns: losses by hand, few shapes overfitted, each step moving what it should."""
+"""Learners of the baselines: losses by hand, few shapes overfitted, and the networks that each step moves."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What counts as hollow, on solids whose walls are built at a thickness."""
+"""Hollow shapes are found, on solids with walls of known thickness."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""That runs of the baselines repeat, resume exactly, are saved and loaded, and survive a divergence."""
+"""Training of the baselines: runs repeat, resume exactly, are saved and loaded, and survive a divergence."""
 
 import csv
 import json

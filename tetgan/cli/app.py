@@ -1,4 +1,4 @@
-"""The command itself, and what its subcommands share: arguments, and options read from text."""
+"""The command, with the arguments and option readers that its subcommands share."""
 
 import os
 from pathlib import Path

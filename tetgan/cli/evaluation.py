@@ -1,4 +1,4 @@
-"""Metrics of samples, of real shapes, and of any two folders of meshes."""
+"""Commands for metrics of samples, of real shapes, and of any two folders of meshes."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Training, and meshes out of trained models."""
+"""Commands for training, sampling and packing models."""
 
 from pathlib import Path
 from typing import Annotated

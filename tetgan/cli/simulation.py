@@ -1,4 +1,4 @@
-"""What a solid does under loads."""
+"""Commands for elasticity of solids under load."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Solid meshes of any origin: certified, and written for other programs."""
+"""Commands that certify solid meshes of any origin and convert them for other programs."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Studies of the latent space, of resolution and of smoothing."""
+"""Commands for the studies of the latent space, of resolution and of smoothing."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Two folders of meshes, from any system, measured against each other."""
+"""Metrics of two folders of meshes from any system."""
 
 from dataclasses import dataclass, field
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""How far generated shapes lie from what the model has seen.
+"""Chamfer distance from generated shapes to the nearest training shape.
 
 The same question is asked in two ways. A table asks it of whole sets, each shape with a few hundred points:
 there all distances at once, in single precision and on a GPU, are quickest. A figure asks it of some samples

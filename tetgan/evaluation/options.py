@@ -1,4 +1,4 @@
-"""What is measured on generated and reconstructed surfaces, and how finely."""
+"""Options of evaluation: points, shapes, pairs, resamples."""
 
 from typing import Literal
 

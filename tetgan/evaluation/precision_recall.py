@@ -1,4 +1,4 @@
-"""Improved precision and recall: what share of each set lies where the other one does."""
+"""Improved precision and recall of features (Kynkäänniemi et al. 2019)."""
 
 import numpy as np
 from jaxtyping import Float

@@ -1,4 +1,4 @@
-"""One reconstruction beside its original."""
+"""Metrics of one reconstruction against its original."""
 
 from math import nan
 from typing import NamedTuple

@@ -1,4 +1,4 @@
-"""What is measured of one set of surfaces: its figures, and what to know when reading them."""
+"""Figures of one set of surfaces, with the warnings that belong to them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""Points on a surface, and how far it is from a closed manifold."""
+"""Points sampled on a surface, and counts of its non-manifold edges and vertices."""
 
 from typing import NamedTuple
 

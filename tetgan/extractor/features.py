@@ -1,4 +1,4 @@
-"""Clouds and surfaces to the features that the Fréchet distance compares."""
+"""Features of point clouds and surfaces for FID, KID, precision and recall."""
 
 from typing import Any
 

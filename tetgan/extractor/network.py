@@ -1,4 +1,4 @@
-"""PointNet++ (single-scale grouping, no normals): its features are what the Fréchet distance compares.
+"""PointNet++ classifier (single-scale grouping, no normals) whose features FID compares.
 
 Qi et al. (2017), "PointNet++: Deep Hierarchical Feature Learning on Point Sets in a Metric Space", the SSG
 of their appendix B. Points are centred and scaled to the unit sphere before they come here.

@@ -1,4 +1,4 @@
-"""Whether a surface of triangles is a closed manifold, and into which shells it falls."""
+"""Edges, vertex fans and shells of a triangle surface, and whether it is a closed manifold."""
 
 from dataclasses import dataclass
 from functools import cached_property

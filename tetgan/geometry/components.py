@@ -1,4 +1,4 @@
-"""How the tets of any mesh hang together: across faces, and where they stop."""
+"""Face-connected components of the tets of any mesh, and its boundary faces."""
 
 from dataclasses import dataclass
 

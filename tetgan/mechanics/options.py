@@ -1,4 +1,4 @@
-"""What a body is made of, and how it is held and loaded."""
+"""Options of a simulation: material, supports and loads."""
 
 from typing import Literal
 

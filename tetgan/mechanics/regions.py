@@ -1,4 +1,4 @@
-"""Parts of a boundary, chosen by where they are: where a body is held, and where forces act."""
+"""Regions of a boundary, by name or box, where a body is held or loaded."""
 
 import re
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The simulation study as people read it: a row a model and mode, over all its seeds."""
+"""Table of the simulation study: one row per model and mode, over all its seeds."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path

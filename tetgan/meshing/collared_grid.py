@@ -1,4 +1,4 @@
-"""The space a solid lives in: its grid, and a collar of tets around the grid that nothing ever occupies."""
+"""Grid of the cube with a collar of tets around it that is never occupied."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache

@@ -1,4 +1,4 @@
-"""Vertices moved as far as they can go without turning over or flattening a tet."""
+"""Move vertices towards targets while every tet stays positive and its angles bounded."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""The least change of occupancy that gives a solid a manifold boundary."""
+"""Smallest change of occupancy that makes the boundary manifold."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Surfaces of functions of space: marching cubes, and an octree that spares most of the evaluations."""
+"""Marching cubes of functions of space, densely or by an octree (MISE)."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""Pinches of a boundary opened, or closed by a seam, without a change of occupancy."""
+"""Open the pinches of a boundary, or close them by a seam, without a change of occupancy."""
 
 from typing import NamedTuple
 

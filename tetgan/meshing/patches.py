@@ -1,4 +1,4 @@
-"""Patches of tets around vertices: those that could be pulled back from there."""
+"""Patches of tets around a vertex that can be pulled back from it."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""Models by their options, and the folder that holds a trained one."""
+"""Build models from their options; read and write the folder of a trained one."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The record by which the pipeline knows a generative method."""
+"""Record of a generative method: options, network, learner, training."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

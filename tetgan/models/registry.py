@@ -1,4 +1,4 @@
-"""Generative methods by name: those installed, and those of modules that a config names.
+"""Registry of generative methods: installed ones, and those of modules that a config names.
 
 A package names its records in the entry-point group `tetgan.methods`, under the name of the method; this
 package's own stand there too (pyproject.toml). Another package's is imported when a model of that method is

@@ -1,4 +1,4 @@
-"""Fields out of a trained model: new ones, and reconstructions of known ones."""
+"""Fields from a trained model: samples and reconstructions."""
 
 from collections.abc import Iterator, Sequence
 

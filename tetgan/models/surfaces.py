@@ -1,4 +1,4 @@
-"""Surfaces out of a trained model of implicit surfaces: new ones, and reconstructions of known ones."""
+"""Surfaces from a trained implicit model: samples and reconstructions."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple

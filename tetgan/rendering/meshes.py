@@ -1,4 +1,4 @@
-"""Shapes from files, whole or cut open, ready to draw."""
+"""Shapes read from files, whole or cut open, for drawing."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""One camera for many shapes of the unit cube, so that their pictures compare."""
+"""Camera shared by shapes of the unit cube, so that their pictures compare."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace

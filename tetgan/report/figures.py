@@ -1,4 +1,4 @@
-"""The figures under results, made to fit into one page."""
+"""Pictures under results, reduced to fit into the page."""
 
 import io
 from collections.abc import Mapping, Sequence

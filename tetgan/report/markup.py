@@ -1,4 +1,4 @@
-"""Text of files as HTML: whatever a file says is shown, never obeyed."""
+"""Text and tables of files as escaped HTML."""
 
 import base64
 import re

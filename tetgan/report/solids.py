@@ -1,4 +1,4 @@
-"""Generated solids, packed into a page: whole tet meshes, each tet with its quality."""
+"""Generated solids packed into the page: whole tet meshes with the quality of each tet."""
 
 import base64
 import logging

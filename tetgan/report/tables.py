@@ -1,4 +1,4 @@
-"""The tables under results, each as its Markdown twin shows it, with the whole CSV to take along."""
+"""Tables under results as HTML, with the whole CSV to save."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

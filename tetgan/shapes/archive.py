@@ -1,4 +1,4 @@
-"""A shard of repaired meshes: one zip with two arrays a mesh and a table of records."""
+"""Shards of repaired meshes: one zip with two arrays per mesh and a table of records."""
 
 import io
 import zipfile

@@ -1,4 +1,4 @@
-"""The register of a category: one row a listed shape, whatever became of it."""
+"""Catalogue of a category: one row per listed shape with its split, status and reason."""
 
 from collections import Counter
 from collections.abc import Sequence

@@ -1,4 +1,4 @@
-"""Cleaning of raw triangle meshes before anything else touches them."""
+"""Cleaning of raw triangle meshes before repair."""
 
 import numpy as np
 from jaxtyping import Float, Int

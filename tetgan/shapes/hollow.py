@@ -1,4 +1,4 @@
-"""Insides that a repair left hollow, because an open sheet became a thin shell around nothing.
+"""Find and fill rooms that a repair left hollow, where an open sheet became a thin shell.
 
 A vase with a thick wall is open, and stays so; a sofa whose underside was never modelled, a car of single
 sheets with a gap in its floor, are hollow. Two shares of the directions around a point tell them apart: those

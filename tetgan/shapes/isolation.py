@@ -1,4 +1,4 @@
-"""A child process that may crash or hang, and is replaced when it does."""
+"""Child process that may crash or hang, replaced when it does."""
 
 import contextlib
 import os

@@ -1,4 +1,4 @@
-"""Options of the shapes room: where meshes come from, how they are repaired and split."""
+"""Options of sources, repair and split."""
 
 from pathlib import Path
 from typing import Annotated, Literal

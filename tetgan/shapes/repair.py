@@ -1,4 +1,4 @@
-"""A triangle soup to a watertight solid: clean, wrap, fill what came out hollow, check."""
+"""Repair of a triangle soup to a watertight solid: clean, wrap, fill hollow rooms, check."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Whether a tet mesh is a solid that one can compute with, and how good its tets are."""
+"""Certificate of a tet mesh: validity as a solid, and quality of its tets."""
 
 from dataclasses import asdict, dataclass
 from typing import Any

@@ -1,4 +1,4 @@
-"""Stage: models that lack a part of TetGAN, or have another, beside the full one."""
+"""Stage: ablations of TetGAN beside the full model."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

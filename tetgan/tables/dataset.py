@@ -1,4 +1,4 @@
-"""Stage: how many shapes each category has, and what became of them."""
+"""Stage: number of shapes per category: listed, repaired, rejected, split."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Stage: which share of edges is manifold, in ground truth and in what models generate."""
+"""Stage: share of manifold edges in ground truth and in generated meshes."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A table as people read it: rounded, in Markdown, with what must be known to read it right."""
+"""Markdown of a category's table, with the notes needed to read it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""Stage: how many meshes are valid solids, and what that takes, both modes side by side."""
+"""Stage: share of valid solids and quality of tets, per model and mode."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence

@@ -1,4 +1,4 @@
-"""The course of a run: one row an epoch in log.csv, the same numbers for TensorBoard."""
+"""Training log: one row per epoch in log.csv, and the same numbers for TensorBoard."""
 
 import csv
 import math

@@ -1,4 +1,4 @@
-"""The training loop of every model. Killed and run again, it ends with the same weights."""
+"""Training loop of every model; a killed run resumes to the same weights."""
 
 import logging
 import math

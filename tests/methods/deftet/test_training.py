@@ -1,4 +1,4 @@
-"""Training of the surface network: that it learns, repeats and resumes, and what it needs."""
+"""Training of the surface network: it learns, repeats, resumes, and needs a TetGAN."""
 
 import csv
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""That the network learns, that runs repeat, and that a killed run ends like one that was not."""
+"""Training of TetGAN: it learns, runs repeat, and a killed run ends with the same weights."""
 
 import csv
 import json

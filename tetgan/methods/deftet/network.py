@@ -1,4 +1,4 @@
-"""Ablation (b): the surface network of DefTet (Gao et al. 2020), which moves vertices it is given.
+"""DefTet's surface network (Gao et al. 2020), ablation (b): displaces the vertices of a given boundary.
 
 It learns on the boundary of true occupancies, and is applied to the boundary that TetGAN decodes.
 docs/fidelity.md says what the paper leaves open here.

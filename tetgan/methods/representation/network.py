@@ -1,4 +1,4 @@
-"""No model: fields as they are, which shows what the grid itself costs."""
+"""Ground-truth fields in place of a model: the best that any model on the grid can do."""
 
 from jaxtyping import Float
 from torch import Tensor

@@ -1,4 +1,4 @@
-"""ShapeGAN in training: the critic sees ever finer voxels."""
+"""Training of ShapeGAN with its growing critic."""
 
 from itertools import accumulate
 from typing import Any

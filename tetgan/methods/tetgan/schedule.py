@@ -1,4 +1,4 @@
-"""What changes in the course of a training run."""
+"""Schedules over a run: KL weight, step size, head start, adversarial rounds."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Which backend computes a convolution."""
+"""Choice of the backend that computes a convolution."""
 
 import importlib
 import logging

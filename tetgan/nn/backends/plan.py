@@ -1,4 +1,4 @@
-"""Which order of gathering and multiplying costs least on a CPU, by a fixed model.
+"""Cost model that chooses the order of gathering and multiplying on a CPU.
 
 A model rather than a measurement: the methods round differently, and the same machine must give the same
 bytes every time. The constants are nanoseconds of one AVX-512 core (docs/kernels.md).

@@ -1,4 +1,4 @@
-"""Stage: A - B + C, the part that A has and B has not put onto C."""
+"""Stage: latent arithmetic A - B + C, which adds to C the part that A has and B lacks."""
 
 import logging
 from collections.abc import Sequence

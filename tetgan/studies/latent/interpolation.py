@@ -1,4 +1,4 @@
-"""Stage: the shapes between two shapes."""
+"""Stage: interpolation between pairs of shapes."""
 
 import logging
 import math

@@ -1,4 +1,4 @@
-"""From errors at several resolutions to the resolution that an error takes."""
+"""Order of convergence, and the resolution at which an error is reached."""
 
 from typing import Any, NamedTuple
 

@@ -1,4 +1,4 @@
-"""The resolution study as people read it: a Markdown table, and a figure of shapes and curves."""
+"""Markdown table and figure of the resolution study."""
 
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What the smoothing study of a model leaves in its folder."""
+"""Files of a model's smoothing study."""
 
 import json
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""The figures of each variant of a shape, held against its repaired mesh."""
+"""Figures of each variant of a shape beside its repaired mesh."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

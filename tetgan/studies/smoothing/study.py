@@ -1,4 +1,4 @@
-"""Study: what displacement and each smoothing do to the surfaces of one model."""
+"""Study: effect of displacement and smoothing on the surfaces of one model."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Stage: the smoothing study of every model in one table, and whether it bears the paper out."""
+"""Stage: the smoothing studies of all models in one table, with the paper's claims tested."""
 
 from collections.abc import Sequence
 from pathlib import Path
