@@ -138,7 +138,7 @@ def _surface_mean(field: Field, grid: TetGrid) -> float:
 
 
 def wavy_ball(faces: int) -> tuple[np.ndarray, np.ndarray]:
-    """A ball with waves on it, of about so many faces."""
+    """A ball with waves on it, of about `faces` faces."""
     side = round(np.sqrt(faces / 4))
     ball = trimesh.creation.uv_sphere(radius=0.4, count=[side, side])
     waves = 1 + 0.05 * np.sin(30 * np.asarray(ball.vertices)).sum(axis=1, keepdims=True)

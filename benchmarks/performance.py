@@ -56,7 +56,7 @@ def _row(name: str, each: Record) -> str:
 
 
 def draw_figures(found: Records, folder: Path) -> list[Path]:
-    """`performance-{size}.png`: seconds against each size, a line a curve, both scales logarithmic."""
+    """`performance-{size}.png`: seconds against each size, one line per curve, both scales logarithmic."""
     _, curves = split_curves(found)
     paths = []
     for size, lines in sorted(curves.items()):

@@ -116,7 +116,7 @@ def added_error(field: Field, truth: Field, grid: TetGrid) -> dict[str, float]:
 
 
 def summarise(rows: pd.DataFrame) -> pd.DataFrame:
-    """Means over the shapes, a row a number of faces."""
+    """Means over the shapes, one row per number of faces."""
     return rows.groupby("to", sort=False).mean()
 
 

@@ -83,7 +83,7 @@ _BOUNDS = ("representation", "pca")  # kinds of model that say what a grid or a 
 
 
 class Config(Options):
-    """Everything that decides a result. Machine sizes stand in workflow/profiles, not here."""
+    """Everything that decides a result. Machine sizes are in workflow/profiles, not here."""
 
     run: Name | None = Field(None, description="results go to results/{run}/; empty: results/")
     categories: list[Name] = Field(["chair"], description="categories that the default target reports")
@@ -111,7 +111,7 @@ class Config(Options):
     )
     ablation: list[Name] = Field(
         [],
-        description="models of results/tables/ablation.csv, the full one first; the others stand there alone",
+        description="models of results/tables/ablation.csv, the full one first; the others only appear there",
     )
     seeds: list[Annotated[int, Field(ge=0)]] = Field([0], min_length=1, description="seeds of every model")
     training: TetganTraining = Field(

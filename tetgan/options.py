@@ -22,7 +22,7 @@ class Options(BaseModel):
 
 
 def parse_options(kind: Any, values: dict[str, Any], where: str) -> Any:
-    """Options of a class, or of a union of classes told apart by a key, from plain values.
+    """Options of a class, or of a union of classes distinguished by a key, from plain values.
 
     Raises:
         UserError: the first bad key, what is wrong with it, and the nearest known key.

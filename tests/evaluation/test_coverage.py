@@ -15,7 +15,7 @@ from tetgan.evaluation.coverage import (
 
 
 def of_points(generated: np.ndarray, real: np.ndarray) -> TwoSets:
-    """Points stand for shapes, their distance for that of shapes."""
+    """Points in place of shapes."""
     generated, real = (
         np.asarray(points, dtype=float).reshape(len(points), -1) for points in (generated, real)
     )

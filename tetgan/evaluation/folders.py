@@ -176,7 +176,7 @@ def _compare(
     options: EvaluationOptions,
     threads: int,
 ) -> Section:
-    """One set beside another; `shapes` are those whose meshes and variety are told."""
+    """One set beside another; `shapes` are those whose meshes and variety are reported."""
     section = Section(options)
     section.add_means({"faces": shapes.faces})
     section.add_topology(shapes.topology)

@@ -48,7 +48,7 @@ def _differences(found: Boxes, real: Boxes) -> list[str]:
         )
     if shift > _SHIFT:
         notes.append(
-            f"**Samples stand {shift:.2g} of a longest side away from the reference (medians of the boxes' "
+            f"**Samples are {shift:.2g} of a longest side away from the reference (medians of the boxes' "
             "centres). Distances measure this, too; --normalise puts every mesh in the unit cube**"
         )
     return notes

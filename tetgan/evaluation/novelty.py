@@ -22,7 +22,7 @@ from tetgan.evaluation.chamfer import (
 )
 
 # A quarter of the points costs a sixteenth and orders shapes nearly as all of them do: the nearest is among
-# so many candidates unless that many shapes are nearly as near, and then it makes no difference.
+# this many candidates unless as many shapes are nearly as near, and then it makes no difference.
 _PART = 4
 
 _CANDIDATES = 24

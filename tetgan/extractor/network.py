@@ -175,7 +175,7 @@ class SetAbstraction(nn.Module):
         channels: Float[Tensor, "B P C"] | None,
         grouping: Grouping | None,
     ) -> tuple[Float[Tensor, "B S 3"], Float[Tensor, "B S D"]]:
-        """Centers and one feature row a ball; without a grouping one ball at the origin holds everything.
+        """Centers and one feature row per ball; without a grouping one ball at the origin holds everything.
 
         The first layer is linear in (p - c, f), so it runs once a point and once a center, and the balls
         gather its results: the same sums as one product a member, with a fraction of the arithmetic.

@@ -54,7 +54,7 @@ def index_samplings(shards: Sequence[Path], catalogue: Path, options: Sampling, 
         options: what the shards were made with.
 
     Raises:
-        UserError: a shard is damaged or was made with other options, a shape stands in two shards or not in
+        UserError: a shard is damaged or was made with other options, a shape is in two shards or not in
             the catalogue, or there is no training shape.
     """
     entries = enter_shards({path: _open_shard(path, options) for path in shards}, catalogue, out)

@@ -91,7 +91,7 @@ def index_fields(shards: Sequence[Path], catalogue: Path, grid: GridOptions, out
         grid: the options that the fields were extracted with.
 
     Raises:
-        UserError: a shard is damaged or of another grid, a shape stands in two shards or not in the
+        UserError: a shard is damaged or of another grid, a shape is in two shards or not in the
             catalogue, or there is no training shape.
     """
     hierarchy = grid_from_options(grid)

@@ -68,7 +68,7 @@ def parse_support(text: str) -> Support:
     """
     region, stroke, letters = text.partition("/")
     if stroke and not re.fullmatch("[xyz]+", letters):
-        raise UserError(f"fix: '{text}': after '/' stand the directions held, such as '/y' or '/xz'")
+        raise UserError(f"fix: '{text}': after '/' come the directions held, such as '/y' or '/xz'")
     x, y, z = (axis in (letters or "xyz") for axis in "xyz")
     return Support(region, (x, y, z))
 

@@ -19,7 +19,7 @@ _OTHERS = np.array([[[k for k in range(4) if k not in {i, j}][:2] for j in range
 
 
 class Patches(NamedTuple):
-    """Tets around a vertex, all occupied or all empty, that hang together side by side; and their rims.
+    """Tets around a vertex, all occupied or all empty, connected by faces; and their rims.
 
     The tets around a vertex cut a small sphere into triangles. A patch is a region of it, its rim the sides
     of its triangles that other tets lie across.

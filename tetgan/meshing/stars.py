@@ -40,7 +40,7 @@ class Pieces(NamedTuple):
 
 
 class Stars:
-    """Who stands around each simplex (vertex or edge), and who stands beside whom there.
+    """Tets around each simplex (vertex or edge), and which of them share a face there.
 
     A corner is one simplex of one tet; corner c of tet t has the number C·t + c.
     """
@@ -75,7 +75,7 @@ class Stars:
         occupied: Bool[np.ndarray, "M"] | None,
         occupancy: Bool[np.ndarray, "T"],
     ) -> Pieces:
-        """Stars each simplex, its tets sorted into pieces.
+        """Around each simplex, its tets sorted into pieces.
 
         Args:
             simplices: not those of the outside of the collar; may repeat.

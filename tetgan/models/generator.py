@@ -34,7 +34,7 @@ class FieldGenerator(LatentModel):
 
     @abstractmethod
     def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
-        """The latent that stands for each field: the mean, where the model gives a distribution."""
+        """The latent of each field: the mean, where the model gives a distribution."""
 
     @abstractmethod
     def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "B T 4"]:
@@ -57,7 +57,7 @@ class SurfaceModel(LatentModel):
     """Whether shapes can be reconstructed; a GAN only generates."""
 
     def encode(self, data: Float[Tensor, "B ..."]) -> Float[Tensor, "B ..."]:
-        """The latent that stands for each shape: the mean, where the model gives a distribution.
+        """The latent of each shape: the mean, where the model gives a distribution.
 
         Raises:
             NotImplementedError: the model has no encoder.

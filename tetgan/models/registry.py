@@ -1,7 +1,7 @@
 """Registry of generative methods: installed ones, and those of modules that a config names.
 
 A package names its records in the entry-point group `tetgan.methods`, under the name of the method; this
-package's own stand there too (pyproject.toml). Another package's is imported when a model of that method is
+package's own are there too (pyproject.toml). Another package's is imported when a model of that method is
 first met, a module under `plugins` by `load_plugins`.
 """
 

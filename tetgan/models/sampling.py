@@ -69,7 +69,7 @@ def encode_shapes(
     batch_size: int = BATCH,
     device: str = "auto",
 ) -> Float[Tensor, "N ..."]:
-    """The latent that stands for each shape, on the CPU."""
+    """The latent of each shape, on the CPU."""
     where, latents = pick_device(device), []
     for start in range(0, len(ids), batch_size):
         original = torch.from_numpy(store.tensor(ids[start : start + batch_size]))

@@ -88,5 +88,5 @@ class View:
 
     @property
     def blank(self) -> UInt8[np.ndarray, "H W 3"]:
-        """A white picture: no shape stands here."""
+        """A white picture: no shape is here."""
         return np.full((self.size[1], self.size[0], 3), 255, dtype=np.uint8)

@@ -85,7 +85,7 @@ def _shown(path: Path) -> Markup:
         raise UserError(f"{path}: not a CSV table: {error}") from None
     left_out = len(table.columns) - MOST_COLUMNS
     shown = table.iloc[:, :MOST_COLUMNS].map(_rounded)
-    note = Markup("<p>{} more columns stand in the CSV.</p>\n").format(left_out) if left_out > 0 else ""
+    note = Markup("<p>{} more columns are in the CSV.</p>\n").format(left_out) if left_out > 0 else ""
     return table_html(list(shown.columns), shown.to_numpy().tolist()) + note
 
 

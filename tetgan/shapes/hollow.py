@@ -113,7 +113,7 @@ def _label_rooms(
     shape: tuple[int, int, int],
     step: float,
 ) -> Int[np.ndarray, "M"]:
-    """Number of the room each member voxel is in: neighbours share one unless a wall stands between them.
+    """Number of the room each member voxel is in: neighbours share one unless a wall is between them.
 
     Labelling the voxels alone would join rooms through their walls, for a sheet is thinner than a voxel.
     """

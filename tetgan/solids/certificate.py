@@ -38,7 +38,7 @@ class Certificate:
         misoriented_edges: edges whose two faces do not turn the same way.
         self_intersections: pairs of boundary faces that meet anywhere but in vertices they share.
         cavities: voids that the outside does not reach: shells of the boundary that enclose negative volume.
-        overlapping_shells: shells of the boundary that lie in tets of another part of the mesh. Told of a
+        overlapping_shells: shells of the boundary that lie in tets of another part of the mesh. Counted for a
             boundary that is manifold and free of self-intersections only; None otherwise.
     """
 

@@ -52,7 +52,7 @@ _MADE = {
 }
 
 _ABOUT_PAPER = (
-    "The paper's figures stand in parentheses as printed. They were measured on other shapes (ShapeNet, "
+    "The paper's figures are in parentheses as printed. They were measured on other shapes (ShapeNet, "
     "COSEG), at the paper's sizes and with another extractor: they are no claim of equal conditions. Its "
     "text also gives 98.9 % manifold edges for its ground-truth chairs and 98.5 % for generated ones."
 )
@@ -83,7 +83,7 @@ def _groups(table: pd.DataFrame, names: Mapping[str, pd.Series]) -> Iterator[str
 
 
 def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Conventions, extractor, floor, and what is amiss in some rows."""
+    """Conventions, extractor, floor, and warnings of single rows."""
     return [
         *_conventions(reports[0]["options"]),
         *extractor_notes(reports),
@@ -108,7 +108,7 @@ def _conventions(options: Mapping[str, Any]) -> list[str]:
 
 
 def drawn(variety: Mapping[str, Any]) -> str:
-    """Of what variety draws so many, in words."""
+    """The things that variety draws, in words."""
     return "random pairs" if variety["definition"] == "text" else "random shapes, all pairs"
 
 
@@ -154,7 +154,7 @@ def _floor(table: pd.DataFrame) -> list[str]:
     return [
         f"Floor (row `real`): {figures or 'not measured'}. Features and sets compare real training surfaces "
         "with real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice; novelty is that of "
-        "hold-out surfaces. Below it no model can be told from a perfect one."
+        "hold-out surfaces. A model below it cannot be distinguished from a perfect one."
     ]
 
 

@@ -13,7 +13,7 @@ _SMOOTHED = {"none": "No wLS", "wls": "wLS"}
 _SUPPLEMENT_GRID = {"bench": "HR", "vase": "HR", "sofa": "LR", "table": "LR"}
 
 
-# Models of the config that are ablations with a published FID; smoothing and grid are not told.
+# Models of the config that are ablations with a published FID; smoothing and grid are not stated.
 _ABLATIONS = {"no-local": "no patch discriminator", "no-global": "no global discriminator"}
 
 _BASELINES = {

@@ -20,7 +20,7 @@ COLUMNS = (
 Row = dict[str, float | int]
 
 Losses = dict[str, float | Tensor]
-"""Numbers of a step by name; tensors stay where they are, so that nobody waits for them."""
+"""Numbers of a step by name; tensors stay where they are, so that no step waits for them."""
 
 
 class RunLog:

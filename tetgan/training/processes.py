@@ -51,7 +51,7 @@ def process_place() -> int:
 
 
 def shares(rows: int, parts: int) -> list[Share]:
-    """What this process takes of a batch, in at most so many `parts`, as equal as can be.
+    """What this process takes of a batch, in at most `parts` parts, as equal as can be.
 
     With more processes than rows some would have none; they take the first, with no weight, as every process
     must take part in a step.
@@ -133,7 +133,7 @@ def as_in_first(module: nn.Module) -> None:
 
 
 def relaunch(processes: int) -> None:
-    """Replace this command by so many of it, started by `torchrun`; nothing to do for one, or inside one."""
+    """Replace this command by several of it, started by `torchrun`; nothing to do for one, or inside one."""
     if processes <= 1 or launched_together() > 1:
         return
     launcher = [

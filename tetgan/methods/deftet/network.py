@@ -30,7 +30,7 @@ class SurfaceGraph(NamedTuple):
     """The boundary of an occupancy as a graph of its N vertices.
 
     Attributes:
-        vertices: where they stand in the grid.
+        vertices: their positions in the grid.
         features: position, -1 to 1 across the cube, and unit outward normal of the boundary on the grid.
         around: averages over the vertices at the other ends of the boundary's edges.
     """

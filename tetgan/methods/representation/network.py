@@ -9,7 +9,7 @@ from tetgan.models.generator import FieldGenerator
 
 
 class RepresentationGenerator(FieldGenerator):
-    """The field is its own latent. There is no prior to draw from: training fields stand in for samples."""
+    """The field is its own latent. There is no prior to draw from: training fields replace samples."""
 
     is_identity = True
 

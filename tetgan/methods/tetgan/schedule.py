@@ -8,7 +8,7 @@ EPOCH_SHAPES = 5648  # an epoch of the paper's chairs; the KL schedule counts in
 
 
 def kl_weight(shapes: int, options: TetganTraining) -> float:
-    """Weight of the KL term after so many shapes: kl_weight · (1 − 0.99 · kl_decay^(shapes / 5,648))."""
+    """Weight of the KL term after `shapes` shapes: kl_weight · (1 − 0.99 · kl_decay^(shapes / 5,648))."""
     return options.kl_weight * (1 - 0.99 * options.kl_decay ** (shapes / EPOCH_SHAPES))
 
 

@@ -45,7 +45,7 @@ def rows_in_table(out: int) -> int:
 
 @cache
 def choose_method(rows: int, channels: int, out: int, gathered_again: int = 0) -> Method:
-    """The method with the least time for so many tets and shapes.
+    """The method with the least time for `rows` rows of tets and shapes.
 
     `columns` gathers five rows beside each other and multiplies once. `first` multiplies, then sums rows of
     results, from a table that is large unless they are few. Who has another use for the columns says how

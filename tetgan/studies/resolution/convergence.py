@@ -46,7 +46,7 @@ def convergence_order(resolutions: Float[np.ndarray, "N"], errors: Float[np.ndar
 
 
 def summarise(curves: pd.DataFrame, reference_cells: int) -> pd.DataFrame:
-    """One row a representation: what it needs to reach the error of the deformed reference lattice.
+    """One row per representation: what it needs to reach the error of the deformed reference lattice.
 
     Args:
         curves: of `measure_curves`.

@@ -12,7 +12,7 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.studies.smoothing.smoothers import Variant
 
 SHAPES, REPORT, EXAMPLE = "shapes.csv", "report.json", "example.zip"
-"""A row a shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
+"""One row per shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
 
 REPAIRED = "repaired"
 """Name of the repaired shape among the variants of it."""

@@ -40,7 +40,7 @@ class Bends:
     ends: Float[np.ndarray, "E 2 3"]
 
     def percentile(self, percent: float | int) -> float:
-        """Angle below which so many per cent of the edges' length bend; nan without edges."""
+        """Angle below which that many per cent of the edges' length bend; nan without edges."""
         if not len(self.angles):
             return np.nan
         order = np.argsort(self.angles)
@@ -83,7 +83,7 @@ def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
     sides = edge_of_side.ravel()
     manifold = np.bincount(sides, minlength=len(edges)) == 2
     order = np.argsort(sides, kind="stable")
-    pairs = order[manifold[sides[order]]].reshape(-1, 2) // 3  # sides of one edge stand together
+    pairs = order[manifold[sides[order]]].reshape(-1, 2) // 3  # sides of one edge are adjacent
     one, other = normals[pairs[:, 0]], normals[pairs[:, 1]]
     sine = np.linalg.norm(np.cross(one, other), axis=1)
     angles = np.degrees(np.arctan2(sine, np.einsum("ec,ec->e", one, other)))
@@ -135,7 +135,7 @@ class Truth:
 
 
 def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[dict[str, Any]]:
-    """The repaired shape held against itself, which is the floor, then a row a variant.
+    """The repaired shape held against itself, which is the floor, then one row per variant.
 
     A row has no figures where nothing is left of the shape.
     """

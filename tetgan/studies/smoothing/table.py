@@ -76,7 +76,7 @@ def over_seeds(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def study_table(study: Study) -> pd.DataFrame:
-    """A row a variant of one model, then the repaired shapes; missing is empty."""
+    """One row per variant of one model, then the repaired shapes; missing is empty."""
     report, evaluation = study.report, study.evaluation
     shared = {name: report.get(name) for name in ("category", "model", "grid", "tets")}
     shared |= {"beta": report["meshing"]["beta"]}
