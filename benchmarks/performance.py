@@ -36,8 +36,8 @@ def split_curves(found: Records) -> tuple[Records, Curves]:
 
 
 def table(found: Records) -> str:
-    """Markdown: a table a device, of the figures that are no points of curves."""
-    single, _ = split_curves(found)
+    """Markdown: one table per device, of the figures that have a target and are no points of curves."""
+    single = {name: each for name, each in split_curves(found)[0].items() if each["target"] is not None}
     parts = []
     rows = sorted(single.items(), key=lambda item: item[1]["device"])
     for device, group in groupby(rows, key=lambda item: item[1]["device"]):
@@ -48,8 +48,6 @@ def table(found: Records) -> str:
 
 def _row(name: str, each: Record) -> str:
     value = f"{each['value']:.3g} {each['unit']}"
-    if each["target"] is None:
-        return f"| {name} | {value} | | |"
     sign = "≥" if each["better"] == "higher" else "≤"
     verdict = "met" if is_met(each) else "**missed**"
     return f"| {name} | {value} | {sign} {each['target']:g} {each['unit']} | {verdict} |"
