@@ -169,7 +169,7 @@ class Section:
             )
 
     def count(self, kind: str, expected: int, found: int) -> None:
-        """How many meshes of a kind there should be, and how many have a surface."""
+        """Note how many meshes of a kind there should be, and how many have a surface."""
         self.counts[kind] = {"expected": expected, "found": found}
 
     def to_json(self) -> dict[str, Any]:

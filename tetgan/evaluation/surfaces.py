@@ -17,7 +17,7 @@ def draw_sample(surface: TriangleMesh, points: int, seed: int) -> SurfaceSample:
 
 
 class Topology(NamedTuple):
-    """How far a surface is from a closed manifold; each field is a metric.
+    """Manifold, boundary and non-manifold edges of a surface; each field is a metric.
 
     Attributes:
         manifold_edges, boundary_edges, nonmanifold_edges: shares of edges with two faces, one, and more.

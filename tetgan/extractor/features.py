@@ -40,7 +40,7 @@ def cloud_features(
 
 
 def about_extractor(classifier: Classifier) -> dict[str, Any]:
-    """What a report says of the network behind its features."""
+    """Entries of a report about the network behind its features."""
     return {
         "digest": classifier.digest,
         "accuracy": classifier.accuracy,

@@ -26,7 +26,7 @@ FEATURES = 256
 
 
 class Grouping(NamedTuple):
-    """Which points one set abstraction pools: it depends on distances alone, so it survives any rotation."""
+    """Points that one set abstraction pools, chosen by distances alone, so the same after any rotation."""
 
     centers: Int[Tensor, "B S"]
     members: Int[Tensor, "B S K"]
@@ -219,7 +219,7 @@ def _gather_rows(rows: Float[Tensor, "B P C"], members: Int[Tensor, "B S K"]) ->
 
 
 class Classifier(NamedTuple):
-    """A trained network, ready to use, and what is known of it."""
+    """A trained network with its digest, categories and accuracy."""
 
     network: PointNet2
     categories: tuple[str, ...]

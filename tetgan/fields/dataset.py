@@ -26,7 +26,7 @@ class ShardEntry(Options):
 
 
 class ShardIndex(Options):
-    """What every `index.json` holds."""
+    """Contents common to every `index.json`."""
 
     shards: list[ShardEntry]
 

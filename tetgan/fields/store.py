@@ -181,7 +181,7 @@ class FieldStore(ShardedStore[Field]):
         return batch
 
     def tensor(self, ids: Sequence[str]) -> Float32[np.ndarray, "B T 4"]:
-        """What the networks read: occupancy 0 or 1, then displacement / `max_displacement` within [-1, 1]."""
+        """Input of the networks: occupancy 0 or 1, then displacement / `max_displacement` within [-1, 1]."""
         tensor = np.empty((len(ids), len(self.hierarchy.finest.tets), 4), dtype=np.float32)
         for row, shape_id in zip(tensor, ids, strict=True):
             field = self.read(shape_id)

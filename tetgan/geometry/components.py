@@ -12,7 +12,7 @@ from tetgan.geometry.adjacency import FACES, face_keys
 
 @dataclass(frozen=True, eq=False)
 class Connectivity:
-    """Tets joined by faces, whatever is wrong with them.
+    """Tets joined by faces, of any mesh, broken ones included.
 
     Attributes:
         faces: (F, 3) faces of one tet only, facing away from it when the tet is positive.

@@ -53,7 +53,7 @@ BODIES = (".vtu", ".vtk")
 
 
 class Push(NamedTuple):
-    """Where a load acts, and its force in newtons."""
+    """Faces on which a load acts, and its force in newtons."""
 
     places: Float[np.ndarray, "P 3"]
     force: tuple[float, float, float]

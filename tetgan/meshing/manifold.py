@@ -48,7 +48,7 @@ class _Effect(NamedTuple):
 
 
 def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: CollaredGrid) -> Int[np.ndarray, "V"]:
-    """How far each vertex is from a manifold boundary; 0 everywhere exactly when the boundary is one.
+    """Defect of each vertex; 0 everywhere exactly when the boundary is manifold.
 
     Around a vertex the tets cut a small sphere into triangles. The boundary meets the sphere in one closed
     curve, so has one fan there, exactly when the occupied triangles are connected by sides, and the empty

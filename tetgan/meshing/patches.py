@@ -95,7 +95,7 @@ class Patches(NamedTuple):
 def patches_at(
     vertices: Int[np.ndarray, "N"], pieces: Pieces, occupancy: Bool[np.ndarray, "T"], space: CollaredGrid
 ) -> Patches:
-    """What might be pulled back from vertices at fault so that a fault goes, and none comes elsewhere.
+    """Patches whose pull removes a fault at a vertex and makes none elsewhere.
 
     That are the pieces around a vertex, and rows of empty tets between two occupied ones: the shortest, and
     the one through the best tets. They must be disks, for only those can be pulled; what that does to the

@@ -30,12 +30,12 @@ class Pieces(NamedTuple):
     piece_occupied: Bool[np.ndarray, "P"]
 
     def counts(self, places: int) -> Int[np.ndarray, "places 2"]:
-        """How many empty and how many occupied pieces lie around each simplex."""
+        """Number of empty and of occupied pieces around each simplex."""
         both = np.bincount(2 * self.piece_place + self.piece_occupied, minlength=2 * places)
         return both.reshape(places, 2)
 
     def defects(self, places: int) -> Int[np.ndarray, "places"]:
-        """How many pieces lie around each simplex beyond one of each kind."""
+        """Number of pieces around each simplex beyond one of each kind."""
         return (self.counts(places) - 1).clip(min=0).sum(axis=1)
 
 

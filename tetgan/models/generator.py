@@ -18,7 +18,7 @@ class LatentModel(nn.Module, ABC):
         """Shape of one latent."""
 
     def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
-        """Draws of the prior, N(0, I) if nothing else is said; the same numbers whatever the device."""
+        """Draws of the prior, by default N(0, I); the same numbers on every device."""
         return torch.randn(count, *self.latent_shape, generator=generator)
 
 
@@ -41,7 +41,7 @@ class FieldGenerator(LatentModel):
         """Occupancy logit and displacement of each latent."""
 
     def meshed(self, field: Field) -> Field | VertexField:
-        """What becomes a mesh where `field`, in cube sides, was decoded: itself, if nothing else is said."""
+        """Field to be meshed for a decoded `field`, in cube sides; by default itself."""
         return field
 
 

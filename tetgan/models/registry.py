@@ -72,7 +72,7 @@ def method_of(options: MethodOptions) -> Method:
 
 
 def loaded_methods() -> list[Method]:
-    """Every method but those of installed packages that nothing has asked for yet."""
+    """Every method but those of installed packages that were not needed yet."""
     return list(_loaded.values())
 
 

@@ -86,7 +86,7 @@ def decode_fields(
     batch_size: int = BATCH,
     device: str = "auto",
 ) -> Iterator[Field | VertexField]:
-    """What becomes a mesh for each latent, displacement in cube sides."""
+    """Fields to be meshed for each latent, displacement in cube sides."""
     where = pick_device(device)
     for batch in latents.split(batch_size):
         with torch.inference_mode():

@@ -30,7 +30,7 @@ class Extraction(NamedTuple):
 
 
 def extraction_of(model: SurfaceModel, store: PointStore | VoxelStore) -> Extraction | None:
-    """How the surfaces of a model are found; None for models that give voxels."""
+    """Options by which a model's surfaces are extracted; None for models that give voxels."""
     if not isinstance(model, ImplicitGenerator):
         return None
     return Extraction(model.cells, model.halvings, getattr(store, "box", 1.0))

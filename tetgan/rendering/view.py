@@ -45,7 +45,7 @@ class View:
         return view.holding(view.reach_of(shapes))
 
     def reach_of(self, shapes: Iterable[Float[np.ndarray, "_v 3"]]) -> Float[np.ndarray, "2"]:
-        """How far vertices lie from the middle at most, across and up the picture, in cube sides."""
+        """Largest distance of vertices from the middle, across and up the picture, in cube sides."""
         middle, axes = np.array(self.middle), self._axes
         reaches = [np.abs((points - middle) @ axes).max(axis=0) for points in shapes if len(points)]
         return np.max([np.zeros(2), *reaches], axis=0)

@@ -45,7 +45,7 @@ class SampleSet:
 
     @property
     def validity(self) -> str:
-        """How many of all solids that it generated are valid, by their certificate; empty without one."""
+        """Number of valid ones among all solids it generated, by their certificate; empty without one."""
         try:
             certificate = pd.read_csv(self.paths[0].parent.parent / "certificate.csv", dtype={"set": str})
             made = certificate[(certificate["set"] == "generated") & (certificate["tets"] > 0)]

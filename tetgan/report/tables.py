@@ -21,7 +21,7 @@ _LAST = ("dataset", "runtime")  # about the run, not about the models
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the page: `html` is what is shown, `csv` a data URI of the file."""
+    """A table of the page: `html` is shown, `csv` is a data URI of the file."""
 
     name: str
     path: str

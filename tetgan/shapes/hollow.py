@@ -58,7 +58,7 @@ def find_hollow(solid: TriangleMesh, sheet_thickness: float) -> TriangleMesh | N
 def hollow_voxels(
     solid: TriangleMesh, sheet_thickness: float
 ) -> tuple[Bool[np.ndarray, "X Y Z"], Float[np.ndarray, "3"], float]:
-    """Which voxels are hollow, the centre of the first one, and their size."""
+    """Mask of hollow voxels, the centre of the first one, and their size."""
     import igl  # noqa: PLC0415
 
     points, shape, step = _voxels(solid)

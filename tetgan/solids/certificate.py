@@ -18,7 +18,7 @@ BINS = 10
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was found in a mesh. All is 0 for a mesh without tets.
+    """Counts of a mesh's defects, and quality of its tets. All is 0 for a mesh without tets.
 
     Attributes:
         tets, faces: of the mesh, and of its boundary.
@@ -69,7 +69,7 @@ class Certificate:
 
     @property
     def reasons(self) -> list[str]:
-        """What keeps the mesh from being valid, in words."""
+        """Reasons for which the mesh is not valid, in words."""
         if not self.tets:
             return ["no tets"]
         found = {
@@ -97,7 +97,7 @@ class Certificate:
 
 
 def certify(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Certificate:
-    """Examine a tet mesh, whatever it came from.
+    """Examine a tet mesh of any origin.
 
     A mesh is valid where every tet is positive, no face has more than two tets or both on one side, every
     boundary edge has two faces and every boundary vertex one fan, no two boundary faces meet but in what they

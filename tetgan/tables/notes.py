@@ -113,7 +113,7 @@ def drawn(variety: Mapping[str, Any]) -> str:
 
 
 def set_conventions(options: Mapping[str, Any]) -> list[str]:
-    """How sets of shapes were compared, from the options of a report."""
+    """Conventions of the comparison of sets, from the options of a report."""
     sets = options["sets"]
     return [
         f"MMD, COV and 1-NNA: {sets['shapes']} shapes on each side, Chamfer distance of {sets['points']} "
@@ -124,7 +124,7 @@ def set_conventions(options: Mapping[str, Any]) -> list[str]:
 
 
 def extractor_line(extractor: Mapping[str, Any]) -> str:
-    """What is known of the classifier behind the features, from a report."""
+    """Line about the classifier behind the features, from a report."""
     return (
         f"Extractor {extractor['digest']}: PointNet++ on {', '.join(extractor['categories'])}; held-out "
         f"accuracy {100 * extractor['accuracy']:.1f} %. Absolute FID and KID depend on it."
@@ -132,7 +132,7 @@ def extractor_line(extractor: Mapping[str, Any]) -> str:
 
 
 def extractor_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Which classifier FID and KID rest on, and a warning where rows rest on several."""
+    """Name the classifier behind FID and KID, with a warning where rows have several."""
     found = {report["extractor"]["digest"]: report["extractor"] for report in reports}
     lines = [extractor_line(extractor) for extractor in found.values()]
     if len(found) > 1:

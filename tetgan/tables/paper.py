@@ -62,7 +62,7 @@ def published(figures: pd.DataFrame, category: str, model: str, grid: str, smoot
 
 
 def stated(figures: pd.DataFrame, category: str, subject: str, metric: str) -> str | None:
-    """What the paper's running text says of a subject, such as 'data set', as printed; None: nothing."""
+    """Figure that the paper's running text states of a subject, such as 'data set', as printed; or None."""
     rows = figures[
         (figures["category"] == category) & (figures["model"] == subject) & (figures["metric"] == metric)
     ]

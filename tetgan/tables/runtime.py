@@ -82,7 +82,7 @@ _NOTES = [
 
 
 class Job(NamedTuple):
-    """What a metrics file tells of the jobs behind it; None where a stage has no such thing."""
+    """Facts in a metrics file about the jobs behind it; None where a stage has no such thing."""
 
     category: str
     grid: str | None = None

@@ -58,7 +58,7 @@ class RunLog:
             table.writerows({name: _short(value) for name, value in row.items()} for row in self.rows)
 
     def state(self) -> dict[str, Any]:
-        """What a checkpoint keeps."""
+        """State that a checkpoint keeps."""
         return {
             "rows": self.rows,
             "sums": {name: [float(total), count] for name, (total, count) in self.sums.items()},

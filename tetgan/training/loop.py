@@ -75,7 +75,7 @@ class TrainingLoop(ABC):
 
     @abstractmethod
     def parts(self) -> dict[str, Any]:
-        """What the next step depends on: objects with a state, by name."""
+        """Objects with a state on which the next step depends, by name."""
 
     @abstractmethod
     def save(self) -> None:

@@ -20,7 +20,7 @@ def rate_factor(progress: float, options: TetganTraining) -> float:
 
 
 def bypass_steps(steps: int, options: TetganTraining) -> int:
-    """How many of `steps` go around the latent head."""
+    """Number of the `steps` that go around the latent head."""
     return round(options.head_start * steps)
 
 

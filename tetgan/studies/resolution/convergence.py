@@ -23,7 +23,7 @@ class Needed(NamedTuple):
 def resolution_to_reach(
     resolutions: Float[np.ndarray, "N"], errors: Float[np.ndarray, "N"], target: float
 ) -> Needed:
-    """Where the error falls to the target for good, on straight lines between the logarithms.
+    """Resolution from which the error stays below the target, on straight lines between the logarithms.
 
     Args:
         resolutions: rising.

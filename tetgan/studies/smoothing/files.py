@@ -34,7 +34,7 @@ class Study(NamedTuple):
         return self.rows[mine.astype(bool)].set_index("id")
 
     def of_repaired(self) -> pd.DataFrame:
-        """The repaired shapes held against themselves."""
+        """Rows of the repaired shapes compared with themselves."""
         return self.rows[self.rows["smoothing"] == REPAIRED].set_index("id")
 
 

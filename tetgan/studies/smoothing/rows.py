@@ -93,7 +93,7 @@ def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """A repaired shape, and what surfaces are held against."""
+    """A repaired shape, with the measures that surfaces are compared with."""
 
     shape_id: str
     surface: TriangleMesh
@@ -118,7 +118,7 @@ class Truth:
         return self.bends.draw(self.study.crease, self.study.crease_points, self._seed("crease"))
 
     def figures(self, surface: TriangleMesh) -> dict[str, float]:
-        """What a surface alone tells: distance and sharpness."""
+        """Distance and sharpness of a surface."""
         drawn = draw_sample(surface, self.evaluation.points, self._seed("reconstructed"))
         bends = measure_bends(surface.vertices, surface.faces)
         return {
@@ -135,7 +135,7 @@ class Truth:
 
 
 def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[dict[str, Any]]:
-    """The repaired shape held against itself, which is the floor, then one row per variant.
+    """The repaired shape compared with itself, which is the floor, then one row per variant.
 
     A row has no figures where nothing is left of the shape.
     """
