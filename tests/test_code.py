@@ -1,4 +1,4 @@
-"""The digest of code changes with what a module imports, and with nothing else."""
+"""The digest of code changes with the modules that a stage imports, and with nothing else."""
 
 import sys
 from pathlib import Path

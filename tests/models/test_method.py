@@ -1,4 +1,4 @@
-"""Records of kinds: what they refuse, and what those of this package name."""
+"""Records of methods: fields refused, and those of this package."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""The captions that ship: one for every table and figure of the workflow, with nothing missing in it."""
+"""Captions that ship: one for every table and figure of the workflow, each filled in."""
 
 import re
 from pathlib import Path

@@ -37,7 +37,7 @@ def test_each_category_has_its_own_cells_and_the_papers_figure(supplement, repor
     assert list(table["model"]) == ["tetgan-HR", "tetgan-LR"]
     assert cells(table, 0, "bench") == ["4.0", "", "3.0", "5.0", "2.67", "64", "1"]
     assert cells(table, 0, "vase") == ["8.0", "", "7.0", "9.0", "2.57", "50", "1"]
-    # The paper's vases are of high resolution: nothing stands beside the LR row.
+    # The paper's vases are of high resolution: nothing is beside the LR row.
     assert cells(table, 1, "vase") == ["6.0", "", "5.0", "7.0", "", "50", "1"]
     assert "4 [3, 5] (paper 2.67)" in text
 

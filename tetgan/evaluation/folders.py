@@ -1,4 +1,4 @@
-"""Two folders of meshes, from any system, measured against each other."""
+"""Metrics of two folders of meshes from any system."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -83,7 +83,7 @@ def measure_folders(
 
 @dataclass
 class _Shapes:
-    """What one pass over a folder leaves of its meshes, which come in random order."""
+    """Clouds and measures from one pass over a folder's meshes, in random order."""
 
     clouds: list[Float[np.ndarray, "P 3"]] = field(default_factory=list)
     samples: list[SurfaceSample] = field(default_factory=list)
@@ -176,7 +176,7 @@ def _compare(
     options: EvaluationOptions,
     threads: int,
 ) -> Section:
-    """One set beside another; `shapes` are those whose meshes and variety are told."""
+    """One set beside another; `shapes` are those whose meshes and variety are reported."""
     section = Section(options)
     section.add_means({"faces": shapes.faces})
     section.add_topology(shapes.topology)

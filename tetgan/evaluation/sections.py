@@ -1,4 +1,4 @@
-"""What is measured of one set of surfaces: its figures, and what to know when reading them."""
+"""Figures of one set of surfaces, with the warnings that belong to them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -169,7 +169,7 @@ class Section:
             )
 
     def count(self, kind: str, expected: int, found: int) -> None:
-        """How many meshes of a kind there should be, and how many have a surface."""
+        """Note how many meshes of a kind there should be, and how many have a surface."""
         self.counts[kind] = {"expected": expected, "found": found}
 
     def to_json(self) -> dict[str, Any]:

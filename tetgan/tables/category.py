@@ -65,7 +65,7 @@ _ROW_ORDER = ("tetgan", "", "representation", "pca", "real")  # "": every other 
 def write_table(metrics: Sequence[Path], paper: Path, category: str, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
-    One row a model, mode and smoothing; several seeds of a model become one row. Missing is empty, never 0.
+    One row per model, mode and smoothing; several seeds of a model become one row. Missing is empty, never 0.
 
     Args:
         metrics: JSONs of `evaluate_model` and `evaluate_real`.

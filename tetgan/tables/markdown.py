@@ -1,4 +1,4 @@
-"""Cells and tables as people read them, and a table written twice: as CSV and as Markdown."""
+"""Format cells and tables as Markdown, and write a table as CSV and Markdown."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A table as people read it: rounded, in Markdown, with what must be known to read it right."""
+"""Markdown of a category's table, with the notes needed to read it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -52,7 +52,7 @@ _MADE = {
 }
 
 _ABOUT_PAPER = (
-    "The paper's figures stand in parentheses as printed. They were measured on other shapes (ShapeNet, "
+    "The paper's figures are in parentheses as printed. They were measured on other shapes (ShapeNet, "
     "COSEG), at the paper's sizes and with another extractor: they are no claim of equal conditions. Its "
     "text also gives 98.9 % manifold edges for its ground-truth chairs and 98.5 % for generated ones."
 )
@@ -83,7 +83,7 @@ def _groups(table: pd.DataFrame, names: Mapping[str, pd.Series]) -> Iterator[str
 
 
 def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Conventions, extractor, floor, and what is amiss in some rows."""
+    """Conventions, extractor, floor, and warnings of single rows."""
     return [
         *_conventions(reports[0]["options"]),
         *extractor_notes(reports),
@@ -108,12 +108,12 @@ def _conventions(options: Mapping[str, Any]) -> list[str]:
 
 
 def drawn(variety: Mapping[str, Any]) -> str:
-    """Of what variety draws so many, in words."""
+    """The things that variety draws, in words."""
     return "random pairs" if variety["definition"] == "text" else "random shapes, all pairs"
 
 
 def set_conventions(options: Mapping[str, Any]) -> list[str]:
-    """How sets of shapes were compared, from the options of a report."""
+    """Conventions of the comparison of sets, from the options of a report."""
     sets = options["sets"]
     return [
         f"MMD, COV and 1-NNA: {sets['shapes']} shapes on each side, Chamfer distance of {sets['points']} "
@@ -124,7 +124,7 @@ def set_conventions(options: Mapping[str, Any]) -> list[str]:
 
 
 def extractor_line(extractor: Mapping[str, Any]) -> str:
-    """What is known of the classifier behind the features, from a report."""
+    """Line about the classifier behind the features, from a report."""
     return (
         f"Extractor {extractor['digest']}: PointNet++ on {', '.join(extractor['categories'])}; held-out "
         f"accuracy {100 * extractor['accuracy']:.1f} %. Absolute FID and KID depend on it."
@@ -132,7 +132,7 @@ def extractor_line(extractor: Mapping[str, Any]) -> str:
 
 
 def extractor_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Which classifier FID and KID rest on, and a warning where rows rest on several."""
+    """Name the classifier behind FID and KID, with a warning where rows have several."""
     found = {report["extractor"]["digest"]: report["extractor"] for report in reports}
     lines = [extractor_line(extractor) for extractor in found.values()]
     if len(found) > 1:
@@ -154,7 +154,7 @@ def _floor(table: pd.DataFrame) -> list[str]:
     return [
         f"Floor (row `real`): {figures or 'not measured'}. Features and sets compare real training surfaces "
         "with real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice; novelty is that of "
-        "hold-out surfaces. Below it no model can be told from a perfect one."
+        "hold-out surfaces. A model below it cannot be distinguished from a perfect one."
     ]
 
 

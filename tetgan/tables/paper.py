@@ -1,4 +1,4 @@
-"""The paper's published figures, and which of them belongs beside which row."""
+"""The paper's published figures, matched to the rows of our tables."""
 
 from pathlib import Path
 
@@ -13,7 +13,7 @@ _SMOOTHED = {"none": "No wLS", "wls": "wLS"}
 _SUPPLEMENT_GRID = {"bench": "HR", "vase": "HR", "sofa": "LR", "table": "LR"}
 
 
-# Models of the config that are ablations with a published FID; smoothing and grid are not told.
+# Models of the config that are ablations with a published FID; smoothing and grid are not stated.
 _ABLATIONS = {"no-local": "no patch discriminator", "no-global": "no global discriminator"}
 
 _BASELINES = {
@@ -62,7 +62,7 @@ def published(figures: pd.DataFrame, category: str, model: str, grid: str, smoot
 
 
 def stated(figures: pd.DataFrame, category: str, subject: str, metric: str) -> str | None:
-    """What the paper's running text says of a subject, such as 'data set', as printed; None: nothing."""
+    """Figure that the paper's running text states of a subject, such as 'data set', as printed; or None."""
     rows = figures[
         (figures["category"] == category) & (figures["model"] == subject) & (figures["metric"] == metric)
     ]

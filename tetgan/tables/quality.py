@@ -1,4 +1,4 @@
-"""Stage: how many meshes are valid solids, and what that takes, both modes side by side."""
+"""Stage: share of valid solids and quality of tets, per model and mode."""
 
 import json
 from collections.abc import Callable, Iterator, Sequence
@@ -68,8 +68,8 @@ _TITLES = {
     "p1_dihedral": "1 % of angles ↑",
     "min_radius_ratio": "Least radius ratio ↑",
     "manifold_edges": "Manifold edges ↑",
-    "nonmanifold_edges": "Edges amiss ↓",
-    "nonmanifold_vertices": "Vertices amiss ↓",
+    "nonmanifold_edges": "Non-manifold edges ↓",
+    "nonmanifold_vertices": "Non-manifold vertices ↓",
     "self_intersections": "Self-intersections ↓",
     "components": "Components",
     "dropped_components": "Dropped",
@@ -85,7 +85,7 @@ _NOTES = [
     "no self-intersection of the boundary (libigl), no part within another; docs/certificate.md.",
     "Mode `paper` leaves the mesh as the paper's recipe makes it, `solid` makes it valid; the fields are the "
     "same. Training and validation shapes are ground-truth fields.",
-    "Inverted tets, edges and vertices amiss, self-intersections and dropped pieces are sums over meshes. "
+    "Inverted tets, non-manifold edges and vertices, self-intersections and dropped pieces are summed. "
     "Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their tets fall "
     "short of. Components are means. Empty meshes are left out.",
     "Changed: tets added or removed to make the boundary manifold, as a share of those there were. Volume to "
@@ -152,7 +152,7 @@ def write_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
 
 
 def build_quality(samples: Sequence[_Samples], paper: pd.DataFrame) -> pd.DataFrame:
-    """A row a category, model, mode, smoothing and kind of shapes: `IDENTITY`, then `FIGURES`."""
+    """One row per category, model, mode, smoothing and kind of shapes: `IDENTITY`, then `FIGURES`."""
     rows = [
         _row(members, smoothing, kind, samples, paper)
         for members in _of_one_row(samples)

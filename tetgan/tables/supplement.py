@@ -37,7 +37,7 @@ _TITLES = {
 _WORDS = {"fid": "FID", "variety": "variety", "reconstruction": "Chamfer"}
 
 _ABOUT_PAPER = (
-    "The paper's figures stand in parentheses as printed: benches and vases are its high-resolution models, "
+    "The paper's figures are in parentheses as printed: benches and vases are its high-resolution models, "
     "sofas and tables its low-resolution ones, and it does not say whether they were smoothed. They were "
     "measured on other shapes, at the paper's sizes and with another extractor: they are no claim of equal "
     "conditions."
@@ -47,7 +47,7 @@ _ABOUT_PAPER = (
 def write_supplement(metrics: Sequence[Path], paper: Path, figure: str, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
-    One row a model, mode and smoothing. Missing is empty, never 0.
+    One row per model, mode and smoothing. Missing is empty, never 0.
 
     Args:
         metrics: JSONs of `evaluate_model` and `evaluate_real`, of any categories.
