@@ -185,7 +185,9 @@ def test_a_shard_is_written_as_three_of_sixteen(shard: str) -> None:
 @pytest.mark.parametrize("content", ["garbage", "id,shape\na,b\n", "", "a,b\n1,2,3\n1,2,3,4\n"])
 def test_a_file_that_is_no_catalogue_is_named(tmp_path: Path, content: str) -> None:
     (tmp_path / "other.csv").write_text(content)
-    with pytest.raises(UserError, match=r"other\.csv: not a catalogue .*; make it with 'tetgan catalogue'"):
+    with pytest.raises(
+        UserError, match=r"other\.csv: not a catalogue .*; make it with 'tetgan gather-catalogue'"
+    ):
         read_catalogue(tmp_path / "other.csv")
 
 

@@ -1,7 +1,6 @@
 """The scripts that draw the figures, run as Snakemake runs them, on a model of boxes."""
 
 import runpy
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,10 +10,10 @@ import pytest
 from PIL import Image
 
 from tetgan.meshing.options import MeshingOptions
-from tetgan.models.samples import write_samples
-from tetgan.studies.latent.arithmetic import write_arithmetic
-from tetgan.studies.latent.interpolation import write_interpolations
-from tetgan.studies.latent.nearest import write_nearest
+from tetgan.models.samples import sample_model
+from tetgan.studies.latent.arithmetic import add_parts
+from tetgan.studies.latent.interpolation import interpolate_shapes
+from tetgan.studies.latent.nearest import find_nearest_shapes
 from tetgan.studies.options import LatentOptions, NearestOptions
 
 SCRIPTS = Path(__file__).parent.parent.parent / "workflow" / "scripts"
@@ -26,13 +25,13 @@ def made(project, model, tmp_path_factory) -> Path:
     """Samples, an interpolation, a sum, nearest shapes and a log."""
     folder = tmp_path_factory.mktemp("made")
     index, meshing = project / "index.json", MeshingOptions()
-    write_samples(model, index, folder / "samples", count=4, options=meshing, seed=0)
-    write_interpolations(model, index, folder / "between", options=LATENT, meshing=meshing)
-    write_arithmetic(model, index, folder / "sums", options=LATENT, meshing=meshing)
+    sample_model(model, index, folder / "samples", count=4, options=meshing, seed=0)
+    interpolate_shapes(model, index, folder / "between", options=LATENT, meshing=meshing)
+    add_parts(model, index, folder / "sums", options=LATENT, meshing=meshing)
     nearest = NearestOptions(points=300)
     for name, samples in (("model", folder / "samples"), ("real", None)):
         out = folder / f"{name}.csv"
-        write_nearest(
+        find_nearest_shapes(
             [project / "meshes.zip"], project / "catalogue.csv", out, samples=samples, options=nearest
         )
     log = {"seconds": [60, 120], "occupancy_loss": [1.0, 0.5], "validation_iou": [0.2, 0.4]}
@@ -41,18 +40,15 @@ def made(project, model, tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def draw(made, project, tmp_path, monkeypatch):
+def draw(made, project, tmp_path):
     """A figure by the name of its script: the picture and the table beside it."""
 
     def run(name: str, **inputs) -> tuple[np.ndarray, pd.DataFrame]:
-        for stream in ("stdout", "stderr"):
-            monkeypatch.setattr(sys, stream, getattr(sys, stream))  # gives back what the script takes
         out = tmp_path / f"{name}.png"
         job = SimpleNamespace(
             input=SimpleNamespace(meshes=[str(project / "meshes.zip")], **inputs),
             params=SimpleNamespace(names=["a-model"], columns=4, seeds=[0]),
             output=SimpleNamespace(picture=str(out)),
-            log=[str(tmp_path / "log")],
         )
         runpy.run_path(str(SCRIPTS / f"draw_{name}.py"), init_globals={"snakemake": job})
         return np.asarray(Image.open(out)), pd.read_csv(out.with_suffix(".csv"), dtype={"id": str})
@@ -100,7 +96,7 @@ def test_solids(draw, cells, made):
     _, table = draw("solids", samples=[str(made / "samples")])
     shown = np.array(with_a_shape(cells)).reshape(3, 6)
     assert shown[:, :-1].all()
-    assert len(table) == 3 and (table["voids"] == 0).all()
+    assert len(table) == 3 and (table["cavities"] == 0).all()
 
 
 def test_nearest(draw, cells, made):

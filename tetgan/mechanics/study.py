@@ -42,7 +42,7 @@ class Shown(NamedTuple):
     standing: bool
 
 
-def study_simulation(
+def simulate_samples(
     samples: Path, out: Path, options: SimulationOptions, identity: Mapping[str, Any]
 ) -> None:
     """Simulate the samples of a model and write a row for each.

@@ -1,6 +1,5 @@
 """A row a model: validation shapes as it reconstructs them, then its samples, as in the paper's figure."""
 
-import sys
 from pathlib import Path
 
 from tetgan.rendering.figure import NOTHING, Row, draw_rows
@@ -28,11 +27,9 @@ def draw(samples: list[Path], names: list[str], archives: list[str], out: Path) 
     list_shapes(shown).to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.samples],
-        list(snakemake.params.names),
-        list(snakemake.input.meshes),
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.samples],
+    list(snakemake.params.names),
+    list(snakemake.input.meshes),
+    Path(snakemake.output.picture),
+)

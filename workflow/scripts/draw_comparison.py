@@ -1,6 +1,5 @@
 """The same number of unselected samples of every model, one row a model, real shapes on top."""
 
-import sys
 from pathlib import Path
 
 import pandas as pd
@@ -41,12 +40,10 @@ def draw(samples: list[Path], names: list[str], archives: list[str], columns: in
     table.drop(columns="shape").to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.samples],
-        list(snakemake.params.names),
-        list(snakemake.input.meshes),
-        snakemake.params.columns,
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.samples],
+    list(snakemake.params.names),
+    list(snakemake.input.meshes),
+    snakemake.params.columns,
+    Path(snakemake.output.picture),
+)

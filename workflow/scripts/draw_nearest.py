@@ -1,6 +1,5 @@
 """Samples above their nearest training shapes, from the most remembered to the newest."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -46,13 +45,11 @@ def draw(samples: dict[str, Path], table: pd.DataFrame, archives: list[str], col
     table.to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    names = list(snakemake.params.names)
-    draw(
-        dict(zip(names, map(Path, snakemake.input.samples), strict=True)),
-        read_tables([*snakemake.input.tables, snakemake.input.real], [*names, REAL]),
-        list(snakemake.input.meshes),
-        snakemake.params.columns,
-        Path(snakemake.output.picture),
-    )
+names = list(snakemake.params.names)
+draw(
+    dict(zip(names, map(Path, snakemake.input.samples), strict=True)),
+    read_tables([*snakemake.input.tables, snakemake.input.real], [*names, REAL]),
+    list(snakemake.input.meshes),
+    snakemake.params.columns,
+    Path(snakemake.output.picture),
+)

@@ -1,6 +1,5 @@
 """One validation shape in every variant of displacement and smoothing, whole and enlarged, for each model."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -66,6 +65,4 @@ def draw(studies: list[str], models: list[str], out: Path) -> None:
     pd.concat(data).to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(list(snakemake.input.studies), list(snakemake.params.names), Path(snakemake.output.picture))
+draw(list(snakemake.input.studies), list(snakemake.params.names), Path(snakemake.output.picture))

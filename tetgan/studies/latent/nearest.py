@@ -24,7 +24,7 @@ from tetgan.solids.reading import read_surface
 from tetgan.studies.options import NearestOptions
 
 
-def write_nearest(
+def find_nearest_shapes(
     meshes: Sequence[Path],
     catalogue: Path,
     out: Path,

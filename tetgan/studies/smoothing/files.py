@@ -39,7 +39,7 @@ class Study(NamedTuple):
 
 
 def read_study(folder: Path) -> Study:
-    """Read what `study_smoothing` wrote.
+    """Read what `measure_smoothing` wrote.
 
     Raises:
         UserError: it is missing or damaged.
@@ -49,4 +49,6 @@ def read_study(folder: Path) -> Study:
         rows = pd.read_csv(folder / SHAPES, dtype=kinds, keep_default_na=False, na_values=[""])
         return Study(rows, json.loads((folder / REPORT).read_text(encoding="utf-8")))
     except (OSError, ValueError) as error:
-        raise UserError(f"{folder}: not a smoothing study ({error}); run 'tetgan smoothing' again") from None
+        raise UserError(
+            f"{folder}: not a smoothing study ({error}); run 'tetgan measure-smoothing' again"
+        ) from None

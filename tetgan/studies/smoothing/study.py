@@ -40,7 +40,7 @@ from tetgan.studies.smoothing.smoothers import VARIANTS, Variant, build_variants
 _SPARE = 1.25  # fields drawn for each surface wanted: some may come out empty
 
 
-def study_smoothing(
+def measure_smoothing(
     model: Path,
     index: Path,
     folder: Path,

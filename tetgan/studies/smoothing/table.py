@@ -46,11 +46,11 @@ FIGURES = (
 """Each followed by its deviation over seeds, `_std`, and the ends of its interval, `_low` and `_high`."""
 
 
-def write_smoothing_table(studies: Sequence[Path], out: Path) -> None:
+def tabulate_smoothing(studies: Sequence[Path], out: Path) -> None:
     """Write the table as CSV and, with what it says of the paper's claims, as Markdown beside it.
 
     Args:
-        studies: folders that `study_smoothing` wrote, one for each model and seed.
+        studies: folders that `measure_smoothing` wrote, one for each model and seed.
 
     Raises:
         UserError: there is none, or one that is not whole.
