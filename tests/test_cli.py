@@ -8,7 +8,9 @@ from typer.testing import CliRunner
 
 from tetgan.cli import app
 
-COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands]
+COMMANDS = [
+    command.name or command.callback.__name__.replace("_", "-") for command in app.registered_commands
+]
 
 
 def run(*arguments):
@@ -41,8 +43,14 @@ def test_help_imports_nothing_heavy():
     ("arguments", "words"),
     [
         (["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: 1, depth: 1}"], ["absent.zip"]),
-        (["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "{cels: 1, depth: 1}"], ["--grid", "cells"]),
-        (["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "absent.yaml"], ["--grid", "absent.yaml"]),
+        (
+            ["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "{cels: 1, depth: 1}"],
+            ["--grid", "cells"],
+        ),
+        (
+            ["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "absent.yaml"],
+            ["--grid", "absent.yaml"],
+        ),
         (["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: ["], ["--grid", "YAML"]),
         (
             ["repair", "o.zip", "--category", "chair", "--source", "{kind: directory, path: absent}"],
@@ -75,7 +83,10 @@ def test_help_imports_nothing_heavy():
             ["absent"],
         ),
         (["extract-samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: points}"], ["absent.zip"]),
-        (["extract-samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: rays}"], ["--sampling", "rays"]),
+        (
+            ["extract-samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: rays}"],
+            ["--sampling", "rays"],
+        ),
         (["train", "absent.json", "model", "--model", "{kind: pca, grid: LR}"], ["absent.json"]),
         (["train", "absent.json", "model", "--model", "{kind: occnet}"], ["absent.json"]),
         (["simplify", "absent", "out"], ["absent", "no samples"]),

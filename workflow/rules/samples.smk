@@ -25,7 +25,7 @@ rule sample_model:
         mem_mb=3000,
     params:
         model=subpath(input.weights, parent=True),
-        shapes=config["sampling"]["count"],
+        shapes=config["samples"]["count"],
         meshing=meshing_options,
         code=code_digest("tetgan.models.samples:sample_model", of_model=True),
     shell:
