@@ -14,7 +14,8 @@ from tetgan.errors import UserError
 from tetgan.shapes import shards
 from tetgan.shapes.archive import read_meshes, read_records
 from tetgan.shapes.catalogue import gather_catalogue, read_catalogue
-from tetgan.shapes.clouds import read_clouds, sample_clouds
+from tetgan.shapes.cloud_sampling import sample_clouds
+from tetgan.shapes.clouds import read_clouds
 from tetgan.shapes.entries import ShapeEntry
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.options import BuiltinSource, DirectorySource, RepairOptions, SplitOptions

@@ -1,6 +1,7 @@
 """The scripts that draw the figures, run as Snakemake runs them, on a model of boxes."""
 
 import runpy
+import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -40,17 +41,20 @@ def made(project, model, tmp_path_factory) -> Path:
 
 
 @pytest.fixture
-def draw(made, project, tmp_path):
+def draw(made, project, tmp_path, monkeypatch):
     """A figure by the name of its script: the picture and the table beside it."""
 
     def run(name: str, **inputs) -> tuple[np.ndarray, pd.DataFrame]:
+        for stream in ("stdout", "stderr"):
+            monkeypatch.setattr(sys, stream, getattr(sys, stream))  # gives back what the script takes
         out = tmp_path / f"{name}.png"
         job = SimpleNamespace(
             input=SimpleNamespace(meshes=[str(project / "meshes.zip")], **inputs),
-            params=SimpleNamespace(names=["a-model"], columns=4, seeds=[0]),
+            params=SimpleNamespace(figure=name, names=["a-model"], columns=4, seeds=[0]),
             output=SimpleNamespace(picture=str(out)),
+            log=[str(tmp_path / "log")],
         )
-        runpy.run_path(str(SCRIPTS / f"draw_{name}.py"), init_globals={"snakemake": job})
+        runpy.run_path(str(SCRIPTS / "draw.py"), init_globals={"snakemake": job})
         return np.asarray(Image.open(out)), pd.read_csv(out.with_suffix(".csv"), dtype={"id": str})
 
     return run

@@ -67,7 +67,7 @@ def sample_clouds(
     Example: `tetgan sample-clouds chair.npz --category chair --source '{kind: builtin, count: 256}'`
     """
     from tetgan.config import CloudOptions
-    from tetgan.shapes.clouds import sample_clouds
+    from tetgan.shapes.cloud_sampling import sample_clouds
     from tetgan.shapes.options import SourceOptions, SplitOptions
 
     chosen = read_options(CloudOptions, options, "--options")

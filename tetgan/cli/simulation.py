@@ -56,7 +56,8 @@ def simulate(
 
     from tetgan.files import check_suffix
     from tetgan.mechanics.figure import write_figure
-    from tetgan.mechanics.options import LoadCase, Material, read_material
+    from tetgan.mechanics.materials import Material, read_material
+    from tetgan.mechanics.options import LoadCase
     from tetgan.mechanics.pieces import largest_piece
     from tetgan.mechanics.simulation import BODIES, read_body, readable_record, write_simulation
     from tetgan.mechanics.simulation import simulate as run

@@ -63,7 +63,7 @@ rule sample_clouds:
         split=section("split"),
         clouds=section("clouds"),
         margin=config["normalise"]["margin"],
-        code=code_digest("tetgan.shapes.clouds:sample_clouds"),
+        code=code_digest("tetgan.shapes.cloud_sampling:sample_clouds"),
     shell:
         "tetgan sample-clouds {output.clouds:q} --category {wildcards.category} --source {params.source:q}"
         " --split {params.split:q} --options {params.clouds:q} --margin {params.margin} >{log:q} 2>&1"

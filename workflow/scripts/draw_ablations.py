@@ -3,9 +3,10 @@
 from pathlib import Path
 
 from tetgan.rendering.figure import NOTHING, Row, draw_rows
-from tetgan.rendering.meshes import finished_samples, list_shapes, read_originals, read_shape, sample_ids
+from tetgan.rendering.meshes import list_shapes, read_originals, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples, sample_ids
 
 EACH = 4  # shapes of either kind
 

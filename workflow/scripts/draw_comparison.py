@@ -5,9 +5,10 @@ from pathlib import Path
 import pandas as pd
 
 from tetgan.rendering.figure import Row, draw_rows
-from tetgan.rendering.meshes import finished_samples, read_originals, read_shape, sample_ids
+from tetgan.rendering.meshes import read_originals, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples, sample_ids
 
 REAL = "real"
 

@@ -7,15 +7,14 @@ from tetgan.rendering.meshes import (
     CUT,
     CUT_AZIMUTH,
     cut_open,
-    finished_samples,
     list_shapes,
     read_originals,
     read_shape,
     read_solid,
-    sample_ids,
 )
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples, sample_ids
 
 Shown = list[tuple[str, str, str, Shape | None]]
 

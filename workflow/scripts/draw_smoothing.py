@@ -8,9 +8,8 @@ import pandas as pd
 from tetgan.rendering.raycast import render_mesh
 from tetgan.rendering.sheet import contact_sheet, save_image
 from tetgan.shapes.archive import read_meshes
-from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, read_study
+from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, VARIANTS, Variant, read_study
 from tetgan.studies.smoothing.rows import measure_bends
-from tetgan.studies.smoothing.smoothers import VARIANTS, Variant
 
 CELL = 300
 ENLARGED = 3

@@ -5,9 +5,10 @@ from pathlib import Path
 import pandas as pd
 
 from tetgan.rendering.figure import Row, Shape, draw_rows
-from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, finished_samples, read_shape, read_solid
+from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, read_shape, read_solid
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples
 
 NORMAL = (1.0, 0.0, 0.0)
 SHARES = (0.8, 0.65, 0.5, 0.35, 0.2)  # how far along the shape the plane stands

@@ -9,13 +9,30 @@ import pandas as pd
 
 from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.studies.smoothing.smoothers import Variant
 
 SHAPES, REPORT, EXAMPLE = "shapes.csv", "report.json", "example.zip"
 """A row a shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
 
 REPAIRED = "repaired"
 """Name of the repaired shape among the variants of it."""
+
+
+class Variant(NamedTuple):
+    """A way from a field to a surface."""
+
+    displaced: bool
+    smoothing: str
+
+    @property
+    def name(self) -> str:
+        return f"{'displaced' if self.displaced else 'blocky'}-{self.smoothing}"
+
+
+VARIANTS = tuple(
+    Variant(displaced, smoothing)
+    for displaced in (False, True)
+    for smoothing in ("none", "wls", "uniform", "cotangent")
+)
 
 
 class Study(NamedTuple):

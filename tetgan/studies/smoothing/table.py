@@ -10,9 +10,8 @@ import pandas as pd
 from tetgan.errors import UserError
 from tetgan.evaluation.estimates import mean_estimate
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.studies.smoothing.files import REPAIRED, Study, read_study
+from tetgan.studies.smoothing.files import REPAIRED, VARIANTS, Study, read_study
 from tetgan.studies.smoothing.report import render_smoothing
-from tetgan.studies.smoothing.smoothers import VARIANTS
 from tetgan.tables.markdown import write_twins
 
 IDENTITY = (
