@@ -15,7 +15,7 @@ from tetgan.mechanics.assembly import (
     volume_weights,
     von_mises,
 )
-from tetgan.mechanics.options import Material
+from tetgan.mechanics.materials import Material
 from tetgan.rendering.meshes import Solid
 
 STUFF = Material(young=1e9, poisson=0.3, density=1000)

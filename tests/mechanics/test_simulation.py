@@ -9,7 +9,8 @@ from tetgan.cli import app
 from tetgan.errors import UserError
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.mechanics.errors import UnfitError
-from tetgan.mechanics.options import LoadCase, Material
+from tetgan.mechanics.materials import Material
+from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.pieces import largest_piece
 from tetgan.mechanics.simulation import read_body, simulate, write_simulation
 from tetgan.rendering.meshes import Solid

@@ -5,7 +5,8 @@ import pytest
 
 from tetgan.mechanics.assembly import Body, rigid_motions, stiffness
 from tetgan.mechanics.errors import UnfitError
-from tetgan.mechanics.options import MATERIALS, LoadCase
+from tetgan.mechanics.materials import MATERIALS
+from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.simulation import simulate
 from tetgan.mechanics.solver import solve
 from tetgan.rendering.meshes import Solid

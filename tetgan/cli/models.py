@@ -45,7 +45,7 @@ def train(
 
 
 @app.command(rich_help_panel=PANEL)
-def extractor(
+def train_extractor(
     clouds: Annotated[list[Path], typer.Argument(help="Point clouds, one file a category.")],
     folder: Annotated[Path, typer.Argument(help="Folder of the trained classifier.")],
     options: OptionsText = "{}",
@@ -53,7 +53,7 @@ def extractor(
 ) -> None:
     """Train the PointNet++ classifier whose features FID and KID compare.
 
-    Example: `tetgan extractor chair.npz sofa.npz extractor`
+    Example: `tetgan train-extractor chair.npz sofa.npz extractor`
     """
     from tetgan.evaluation.extractor import train_extractor
     from tetgan.extractor.options import ExtractorOptions
@@ -94,14 +94,14 @@ def sample(
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
     from tetgan.models.pack import find_model, index_beside
-    from tetgan.models.samples import write_samples
+    from tetgan.models.samples import sample_model
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")
     found = find_model(model)
     learned_from = index or index_beside(found)
     use_threads(threads)
     with whole_folder(folder, CERTIFICATES) as partial:
-        write_samples(found, learned_from, partial, count=count, options=chosen, seed=seed)
+        sample_model(found, learned_from, partial, count=count, options=chosen, seed=seed)
 
 
 @app.command(rich_help_panel=PANEL)

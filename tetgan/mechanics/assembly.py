@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 from skfem.element import ElementTetP1, ElementTetP2
 
-from tetgan.mechanics.options import Material
+from tetgan.mechanics.materials import Material
 from tetgan.mechanics.regions import BoundaryFaces
 
 logging.getLogger("skfem").setLevel(logging.WARNING)  # else it tells of every basis and form

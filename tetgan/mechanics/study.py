@@ -22,8 +22,9 @@ from tetgan.mechanics.options import LoadCase, SimulationOptions
 from tetgan.mechanics.pieces import label_pieces, largest_piece
 from tetgan.mechanics.remesh import RemeshWorker, can_remesh
 from tetgan.mechanics.simulation import Simulation, read_body, simulate
-from tetgan.rendering.meshes import Solid, finished_samples, sample_ids
+from tetgan.rendering.meshes import Solid
 from tetgan.shapes.cleaning import ShapeError
+from tetgan.solids.folder import finished_samples, sample_ids
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +43,7 @@ class Shown(NamedTuple):
     standing: bool
 
 
-def study_simulation(
+def simulate_samples(
     samples: Path, out: Path, options: SimulationOptions, identity: Mapping[str, Any]
 ) -> None:
     """Simulate the samples of a model and write a row for each.

@@ -29,7 +29,7 @@ Shape = TypeVar("Shape")
 Item = tuple[str, Shape, Row]
 
 
-def write_samples(
+def sample_model(
     model: Path, index: Path, folder: Path, *, count: int, options: MeshingOptions, seed: int
 ) -> None:
     """Generate `count` shapes and reconstruct the validation shapes, where the model has an encoder.

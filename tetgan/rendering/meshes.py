@@ -122,20 +122,3 @@ def read_originals(archives: Sequence[str | Path], ids: Sequence[str]) -> list[S
     """Repaired meshes by id, None for an id that no archive holds."""
     found = pick_meshes([Path(archive) for archive in archives], ids)
     return [Shape(found[i].vertices, found[i].faces) if i in found else None for i in ids]
-
-
-def finished_samples(samples: Path) -> Path:
-    """The folder of a model's meshes as they are meant to be shown: smoothed, where the model smooths."""
-    return samples / "wls" if (samples / "wls").is_dir() else samples / "none"
-
-
-def sample_ids(folder: Path, kind: str, count: int | None = None) -> list[str]:
-    """Ids of the first `count` meshes of a kind, `generated` or `reconstructed`, in a folder of samples.
-
-    The certificate, where there is one, also names the shapes that came out empty.
-    """
-    certificate = folder / "certificate.csv"
-    if certificate.is_file():
-        table = pd.read_csv(certificate, dtype={"id": str, "set": str}, keep_default_na=False)
-        return table.loc[table["set"] == kind, "id"].tolist()[:count]
-    return sorted(path.stem for path in (folder / kind).glob("*.ply"))[:count]

@@ -65,3 +65,20 @@ class SampleFolder:
         """Inverted share of the tets of every mesh that has tets."""
         inverted = self.of_solids(kind, "inverted_tets")
         return inverted / self.of_solids(kind, "tets") if len(inverted) else inverted
+
+
+def finished_samples(samples: Path) -> Path:
+    """The folder of a model's meshes as they are meant to be shown: smoothed, where the model smooths."""
+    return samples / "wls" if (samples / "wls").is_dir() else samples / "none"
+
+
+def sample_ids(folder: Path, kind: str, count: int | None = None) -> list[str]:
+    """Ids of the first `count` meshes of a kind, `generated` or `reconstructed`, in a folder of samples.
+
+    The certificate, where there is one, also names the shapes that came out empty.
+    """
+    certificate = folder / "certificate.csv"
+    if certificate.is_file():
+        table = pd.read_csv(certificate, dtype={"id": str, "set": str}, keep_default_na=False)
+        return table.loc[table["set"] == kind, "id"].tolist()[:count]
+    return sorted(path.stem for path in (folder / kind).glob("*.ply"))[:count]

@@ -62,7 +62,7 @@ _SMOOTHING_ORDER = {"none": 0, "wls": 1}
 _ROW_ORDER = ("tetgan", "", "representation", "pca", "real")  # "": every other model
 
 
-def write_table(metrics: Sequence[Path], paper: Path, category: str, out: Path) -> None:
+def tabulate_category(metrics: Sequence[Path], paper: Path, category: str, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     One row per model, mode and smoothing; several seeds of a model become one row. Missing is empty, never 0.
@@ -135,7 +135,9 @@ def read_reports(paths: Sequence[Path], out: Path, category: str | None = None) 
             if not {"category", "model", "smoothings"} <= report.keys():
                 raise ValueError("a key is missing")
         except (ValueError, AttributeError) as error:
-            raise UserError(f"{path}: not metrics of `tetgan metrics` or `tetgan floor` ({error})") from None
+            raise UserError(
+                f"{path}: not metrics of `tetgan evaluate-model` or `tetgan evaluate-real` ({error})"
+            ) from None
         if category not in (None, report["category"]):
             raise UserError(f"{path}: metrics of '{report['category']}', not of '{category}'")
         reports.append(report)

@@ -131,7 +131,7 @@ class _Samples:
         return found
 
 
-def write_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:

@@ -1,6 +1,5 @@
 """Interpolations between pairs of shapes: for each model and pair the steps, and below them cut open."""
 
-import sys
 from pathlib import Path
 
 import pandas as pd
@@ -42,11 +41,9 @@ def draw(folders: list[Path], names: list[str], archives: list[str], out: Path) 
     data.to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.folders],
-        list(snakemake.params.names),
-        list(snakemake.input.meshes),
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.folders],
+    list(snakemake.params.names),
+    list(snakemake.input.meshes),
+    Path(snakemake.output.picture),
+)

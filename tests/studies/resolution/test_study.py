@@ -9,7 +9,7 @@ from tetgan.errors import UserError
 from tetgan.studies.options import ResolutionOptions
 from tetgan.studies.resolution.convergence import convergence_order, resolution_to_reach, summarise
 from tetgan.studies.resolution.representations import BINARY, BLOCKY, DEFORMED, DISTANCE, UNDEFORMED
-from tetgan.studies.resolution.study import measure_curves, study_resolution, surface_error
+from tetgan.studies.resolution.study import measure_curves, measure_resolution, surface_error
 from tetgan.studies.resolution.torus import Torus
 
 TINY = {"cells": [1, 2, 3], "deformed_cells": [1, 2], "depth": 1, "voxels": [8, 16, 32], "points": 2000}
@@ -82,7 +82,7 @@ def test_the_reference_needs_its_own_resolution():
 
 def test_the_stage_writes_table_figure_and_data(tmp_path):
     options = ResolutionOptions.parse(TINY)
-    study_resolution(options, tmp_path / "table.csv", tmp_path / "figure.png")
+    measure_resolution(options, tmp_path / "table.csv", tmp_path / "figure.png")
     names = {"table.csv", "table.md", "figure.csv", "figure.png"}
     assert {path.name for path in tmp_path.iterdir()} == names
     table, curves = (pd.read_csv(tmp_path / name) for name in ("table.csv", "figure.csv"))

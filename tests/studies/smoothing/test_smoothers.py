@@ -12,8 +12,9 @@ from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
 from tetgan.solids.record import quality_record
+from tetgan.studies.smoothing.files import VARIANTS, Variant
 from tetgan.studies.smoothing.rows import enclosed_volume
-from tetgan.studies.smoothing.smoothers import SMOOTHERS, VARIANTS, Variant, build_variants
+from tetgan.studies.smoothing.smoothers import SMOOTHERS, build_variants
 
 
 def wls_weight(vertices, displacement, faces, one, other):

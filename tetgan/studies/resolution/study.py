@@ -48,7 +48,7 @@ class SurfaceError(NamedTuple):
         return (self.to_torus + self.from_torus) / 2
 
 
-def study_resolution(options: ResolutionOptions, table: Path, figure: Path) -> None:
+def measure_resolution(options: ResolutionOptions, table: Path, figure: Path) -> None:
     """Measure every representation and write what each needs.
 
     Args:

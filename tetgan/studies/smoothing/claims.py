@@ -5,8 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tetgan.evaluation.estimates import mean_estimate
-from tetgan.studies.smoothing.files import Study
-from tetgan.studies.smoothing.smoothers import Variant
+from tetgan.studies.smoothing.files import Study, Variant
 
 
 class Claim(NamedTuple):

@@ -20,8 +20,7 @@ from tetgan.geometry.tets import orientations, tet_volumes
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.solids.solid import SolidMesh
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.files import REPAIRED
-from tetgan.studies.smoothing.smoothers import Variant
+from tetgan.studies.smoothing.files import REPAIRED, Variant
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,14 +33,14 @@ from tetgan.shapes.archive import read_meshes, write_meshes
 from tetgan.shapes.clouds import read_clouds
 from tetgan.solids.solid import SolidMesh
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, REPORT, SHAPES
+from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, REPORT, SHAPES, VARIANTS, Variant
 from tetgan.studies.smoothing.rows import Truth, shape_rows
-from tetgan.studies.smoothing.smoothers import VARIANTS, Variant, build_variants
+from tetgan.studies.smoothing.smoothers import build_variants
 
 _SPARE = 1.25  # fields drawn for each surface wanted: some may come out empty
 
 
-def study_smoothing(
+def measure_smoothing(
     model: Path,
     index: Path,
     folder: Path,
