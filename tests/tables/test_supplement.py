@@ -76,7 +76,7 @@ def test_reconstruction_is_the_chamfer_distance(supplement, report):
     assert cells(table, 0, "table")[4] == "0.0029"
 
 
-def test_notes_name_the_extractor_and_what_is_amiss_with_the_figure(supplement, report):
+def test_notes_name_the_extractor_and_warn_of_the_figure(supplement, report):
     notes = ["FID at N = 4, below 768, is mostly bias", "variety needs 7 surfaces and has 5"]
     _, text = supplement([report("bench", "tetgan-HR", notes=notes)])
     assert "- bench: FID at N = 4, below 768, is mostly bias." in text
