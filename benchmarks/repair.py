@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.progress import track
 
 from tetgan.geometry.rays import Visibility
+from tetgan.geometry.inside import is_inside
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.shapes.cleaning import ShapeError, clean_mesh
@@ -99,7 +100,7 @@ def measure(
             solid = TriangleMesh(
                 (repaired.solid.vertices - 0.5) * (1 - 2 * MARGIN) + 0.5, repaired.solid.faces
             )
-            field = igl.fast_winding_number(solid.vertices, solid.faces, points) > 0.5
+            field = is_inside(points, solid.vertices, solid.faces)
             distances = surface_distances(soup, solid)
             rows.append(
                 {
