@@ -7,7 +7,6 @@ from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
-import igl
 import numpy as np
 import pandas as pd
 import typer
@@ -16,8 +15,8 @@ from pydantic import TypeAdapter
 from rich.console import Console
 from rich.progress import track
 
-from tetgan.geometry.rays import Visibility
 from tetgan.geometry.inside import is_inside
+from tetgan.geometry.rays import Visibility
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.shapes.cleaning import ShapeError, clean_mesh

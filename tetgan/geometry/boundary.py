@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Int
 
 from tetgan.geometry.adjacency import unique_edges
 from tetgan.geometry.components import label_components
+from tetgan.geometry.triangles import six_cones
 
 _SIDES = np.array([[0, 1], [0, 2], [1, 2]])  # as `unique_edges` lists them
 
@@ -121,8 +122,7 @@ def shell_volumes(
     if len(faces) == 0:
         return np.empty(0)
     corners = vertices[faces]
-    corners = corners - corners.mean(axis=(0, 1))
-    return np.bincount(shell, weights=np.linalg.det(corners) / 6)
+    return np.bincount(shell, weights=six_cones(corners, corners.mean(axis=(0, 1)))) / 6
 
 
 def _angles_around(

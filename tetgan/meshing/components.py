@@ -61,5 +61,5 @@ def label_by_faces(tets: Int[np.ndarray, "N"], ambient: CollaredGrid) -> Int[np.
 def _label_by_vertices(tets: Int[np.ndarray, "N"], ambient: CollaredGrid) -> Int[np.ndarray, "N"]:
     corners = ambient.tets[tets]
     ends = np.repeat(corners[:, 0], 3), corners[:, 1:].ravel()
-    labels = label_components(*ends, len(ambient.vertices))[corners[:, 0]]  # of vertices, those without tets too
-    return np.unique(labels, return_inverse=True)[1]
+    labels = label_components(*ends, len(ambient.vertices))  # of vertices, those without tets too
+    return np.unique(labels[corners[:, 0]], return_inverse=True)[1]

@@ -10,6 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 from tetgan.geometry.rays import Visibility
+from tetgan.geometry.triangles import area_normals
 
 STEEL: tuple[float, float, float] = (0.22, 0.42, 0.70)  # default colour of a surface, linear RGB
 
@@ -155,8 +156,7 @@ def _first_hits(
 
 def _facing_normals(corners: Float[np.ndarray, "N 3 3"], camera: _Camera) -> Float[np.ndarray, "N 3"]:
     """Unit normals of triangles, turned to the camera: the winding of a soup means nothing."""
-    corners = corners.astype(float)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners.astype(float))
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     return np.where((normals @ camera.back < 0)[:, None], -normals, normals)
 

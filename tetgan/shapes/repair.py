@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from tetgan.geometry.triangles import TriangleMesh
+from tetgan.geometry.triangles import TriangleMesh, join_meshes
 from tetgan.shapes.cleaning import ShapeError, clean_mesh
 from tetgan.shapes.hollow import find_hollow
 from tetgan.shapes.isolation import RepairWorker
@@ -51,7 +51,7 @@ def repair_shape(soup: TriangleMesh, worker: RepairWorker, options: RepairOption
     plug = find_hollow(solid, sheet_thickness)
     filled_share = 0.0
     if plug is not None and options.fill_hollow:
-        solid = worker.repair(_join(raw, plug))
+        solid = worker.repair(join_meshes([raw, plug]))
         hollow_volume, volume = volume, check_solid(solid)
         filled_share = 1 - hollow_volume / volume
         distances = surface_distances(raw, solid)
@@ -91,13 +91,6 @@ def surface_distances(raw: TriangleMesh, solid: TriangleMesh) -> Float[np.ndarra
         raise ShapeError(str(error)) from None
     squared, _, _ = igl.point_mesh_squared_distance(points, solid.vertices, solid.faces)
     return np.sqrt(squared)
-
-
-def _join(first: TriangleMesh, second: TriangleMesh) -> TriangleMesh:
-    return TriangleMesh(
-        np.concatenate([first.vertices, second.vertices]),
-        np.concatenate([first.faces, second.faces + len(first.vertices)]),
-    )
 
 
 def simplify_solid(solid: TriangleMesh, faces: int) -> TriangleMesh:

@@ -7,7 +7,7 @@ import pandas as pd
 from tetgan.studies.voids import count_voids
 
 from tetgan.rendering.figure import Row, Shape, draw_rows
-from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, finished_samples, read_shape, read_solid
+from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, finished_samples, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
 
@@ -23,8 +23,7 @@ def chosen(folder: Path) -> list[str]:
 
 
 def solid_row(path: Path, title: str, surface: Shape | None) -> Row:
-    solid = read_solid(path.with_suffix(".vtu"))
-    cuts = [cut_open(solid, NORMAL, share) for share in SHARES]
+    cuts = [cut_open(path.with_suffix(".vtu"), NORMAL, share) for share in SHARES]
     return Row(title, [surface, *cuts], azimuth=CUT_AZIMUTH)
 
 

@@ -16,10 +16,10 @@ TINY = {"cells": [1, 2, 3], "deformed_cells": [1, 2], "depth": 1, "voxels": [8, 
 
 
 def test_a_torus_is_at_distance_zero_and_a_thicker_one_further(torus):
-    near = surface_error(*torus.mesh(400, 200), torus, 20_000, seed=0)
+    near = surface_error(torus.mesh(400, 200), torus, 20_000, seed=0)
     assert near.symmetric < 1e-4
     thicker = Torus(torus.major, torus.minor + 0.01, torus.axis)
-    far = surface_error(*thicker.mesh(400, 200), torus, 20_000, seed=0)
+    far = surface_error(thicker.mesh(400, 200), torus, 20_000, seed=0)
     assert far.to_torus == pytest.approx(0.01, abs=1e-4)
     assert far.from_torus == pytest.approx(0.01, abs=1e-4)
     assert far.symmetric == (far.to_torus + far.from_torus) / 2

@@ -8,12 +8,12 @@ from typing import NamedTuple
 import igl
 import numpy as np
 import pandas as pd
-from jaxtyping import Float, Int
 from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
 from tetgan.files import check_suffix, whole_file
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.rendering.plots import FIGURES
 from tetgan.shapes.sampling import sample_surface
@@ -31,7 +31,7 @@ from tetgan.studies.resolution.representations import (
     undeformed_surface,
 )
 from tetgan.studies.resolution.torus import Torus
-from tetgan.studies.resolution.voxels import Triangles, voxel_surfaces
+from tetgan.studies.resolution.voxels import voxel_surfaces
 from tetgan.tables.markdown import write_twins
 
 _log = logging.getLogger(__name__)
@@ -80,7 +80,7 @@ def measure_curves(torus: Torus, options: ResolutionOptions) -> pd.DataFrame:
     """
     rows = []
     for name, cells, elements, surface in _surfaces(torus, options):
-        error = surface_error(*surface, torus, options.points, options.seed)
+        error = surface_error(surface, torus, options.points, options.seed)
         rows.append(
             {
                 "representation": name,
@@ -88,7 +88,7 @@ def measure_curves(torus: Torus, options: ResolutionOptions) -> pd.DataFrame:
                 "cells": cells,
                 "elements": elements,
                 "numbers": NUMBERS[name] * elements,
-                "faces": len(surface[1]),
+                "faces": len(surface.faces),
                 "error": error.symmetric,
                 "to_torus": error.to_torus,
                 "from_torus": error.from_torus,
@@ -100,19 +100,20 @@ def measure_curves(torus: Torus, options: ResolutionOptions) -> pd.DataFrame:
     return pd.DataFrame(rows).astype({"cells": "Int64"})
 
 
-def surface_error(
-    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], torus: Torus, points: int, seed: int
-) -> SurfaceError:
+def surface_error(surface: TriangleMesh, torus: Torus, points: int, seed: int) -> SurfaceError:
     """Mean distances of points uniform on each surface to the other one, each of them exact."""
-    drawn, _ = sample_surface(vertices, faces, points, seed)
-    squared, _, _ = igl.point_mesh_squared_distance(torus.sample(points, seed), vertices, faces)
+    drawn, _ = sample_surface(surface.vertices, surface.faces, points, seed)
+    queries = torus.sample(points, seed)
+    squared, _, _ = igl.point_mesh_squared_distance(queries, surface.vertices, surface.faces)
     return SurfaceError(
         to_torus=float(np.abs(torus.signed_distance(drawn)).mean()),
         from_torus=float(np.sqrt(squared.clip(min=0)).mean()),
     )
 
 
-def _surfaces(torus: Torus, options: ResolutionOptions) -> Iterator[tuple[str, int | None, int, Triangles]]:
+def _surfaces(
+    torus: Torus, options: ResolutionOptions
+) -> Iterator[tuple[str, int | None, int, TriangleMesh]]:
     """Representation, lattice cells, number of elements and surface of everything that is measured."""
     lattices = sorted({*options.cells, *options.deformed_cells})
     for cells in track(lattices, "lattices", console=Console(stderr=True), transient=True):
@@ -128,7 +129,7 @@ def _surfaces(torus: Torus, options: ResolutionOptions) -> Iterator[tuple[str, i
         yield DISTANCE, None, side**3, surfaces.distance
 
 
-def _pictured(torus: Torus, summary: pd.DataFrame, options: ResolutionOptions) -> dict[str, Triangles]:
+def _pictured(torus: Torus, summary: pd.DataFrame, options: ResolutionOptions) -> dict[str, TriangleMesh]:
     """The torus itself, and each representation at about the resolution it needs, by title."""
     needed = summary.set_index("representation")["needed"].str.strip("<> ").astype(float)
     sides = {n: (12 * n**2 * (n + 1)) ** (1 / 3) * 2**options.depth for n in options.cells}

@@ -17,7 +17,7 @@ from tetgan.evaluation.surfaces import draw_sample
 from tetgan.geometry.adjacency import unique_edges
 from tetgan.geometry.boundary import Boundary
 from tetgan.geometry.tets import orientations, tet_volumes
-from tetgan.geometry.triangles import TriangleMesh
+from tetgan.geometry.triangles import TriangleMesh, area_normals
 from tetgan.solids.solid import SolidMesh
 from tetgan.studies.options import SmoothingOptions
 from tetgan.studies.smoothing.files import REPAIRED
@@ -77,8 +77,7 @@ class Bends:
 
 def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> Bends:
     """The bend at each edge of a surface whose faces are turned alike."""
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(vertices[faces])
     edges, edge_of_side = unique_edges(faces)
     sides = edge_of_side.ravel()
     manifold = np.bincount(sides, minlength=len(edges)) == 2
@@ -143,7 +142,7 @@ def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[di
     for variant, solid in solids.items():
         row = {"id": truth.shape_id, "displaced": variant.displaced, "smoothing": variant.smoothing}
         if len(solid.faces):
-            row |= truth.figures(TriangleMesh(solid.vertices, solid.faces))
+            row |= truth.figures(solid.surface)
             row |= _solid_figures(solid, solids[Variant(variant.displaced, "none")], truth.volume)
         yield row
 
