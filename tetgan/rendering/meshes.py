@@ -14,6 +14,7 @@ from tetgan.rendering.raycast import STEEL
 from tetgan.shapes.archive import pick_meshes
 from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.loading import parse_mesh, read_file
+from tetgan.solids.folder import read_certificates
 from tetgan.solids.reading import read_solid
 
 INSIDE: tuple[float, float, float] = (0.93, 0.55, 0.22)  # colour of the faces a cut opens, linear RGB
@@ -108,8 +109,7 @@ def sample_ids(folder: Path, kind: str, count: int | None = None) -> list[str]:
 
     The certificate, where there is one, also names the shapes that came out empty.
     """
-    certificate = folder / "certificate.csv"
-    if certificate.is_file():
-        table = pd.read_csv(certificate, dtype={"id": str, "set": str}, keep_default_na=False)
+    table = read_certificates(folder)
+    if table is not None:
         return table.loc[table["set"] == kind, "id"].tolist()[:count]
     return sorted(path.stem for path in (folder / kind).glob("*.ply"))[:count]

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 from jaxtyping import Float, Int, UInt8
 
 from tetgan.errors import UserError
 from tetgan.geometry.tets import dihedral_angles, radius_ratios, tet_volumes
+from tetgan.solids.folder import read_certificates
 from tetgan.solids.reading import read_tets
 
 BUDGET = 6_000_000
@@ -46,10 +46,12 @@ class SampleSet:
     def validity(self) -> str:
         """How many of all solids that it generated are valid, by their certificate; empty without one."""
         try:
-            certificate = pd.read_csv(self.paths[0].parent.parent / "certificate.csv", dtype={"set": str})
-            made = certificate[(certificate["set"] == "generated") & (certificate["tets"] > 0)]
+            table = read_certificates(self.paths[0].parent.parent)
+            if table is None:
+                return ""
+            made = table[(table["set"] == "generated") & (table["tets"] > 0)]
             return f"{int(made['valid'].sum())} of {len(made)} valid"
-        except (OSError, ValueError, KeyError):
+        except (UserError, KeyError):  # a damaged one, or one of surfaces
             return ""
 
 

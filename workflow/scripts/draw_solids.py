@@ -10,6 +10,7 @@ from tetgan.rendering.figure import Row, Shape, draw_rows
 from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, finished_samples, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import read_certificates
 
 NORMAL = (1.0, 0.0, 0.0)
 SHARES = (0.8, 0.65, 0.5, 0.35, 0.2)  # how far along the shape the plane stands
@@ -17,7 +18,8 @@ FIRST, SHOWN = 16, 3  # of the first samples those with the most tets: they have
 
 
 def chosen(folder: Path) -> list[str]:
-    table = pd.read_csv(folder / "certificate.csv", dtype={"id": str})
+    table = read_certificates(folder)
+    assert table is not None, f"{folder}: not certified"
     first = table[table["set"] == "generated"].head(FIRST)
     return first.sort_values(["tets", "id"], ascending=[False, True])["id"].tolist()[:SHOWN]
 
