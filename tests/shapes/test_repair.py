@@ -87,14 +87,6 @@ def test_filling_can_be_turned_off_and_the_hollow_is_still_reported() -> None:
     assert repaired.volume < 0.2
 
 
-def test_a_result_can_be_simplified() -> None:
-    options = _OPTIONS["manifold"].model_copy(update={"simplify_faces": 500})
-    with RepairWorker(options) as worker:
-        repaired = repair_shape(box(), worker, options)
-    assert len(repaired.solid.faces) <= 500
-    assert check_solid(repaired.solid) == repaired.volume
-
-
 @pytest.mark.parametrize("name", sorted(BROKEN))
 def test_no_broken_shape_reaches_the_libraries(monkeypatch, name: str) -> None:
     monkeypatch.setattr(RepairWorker, "repair", lambda *_: pytest.fail("a broken shape got through"))

@@ -56,10 +56,6 @@ def repair_shape(soup: TriangleMesh, worker: RepairWorker, options: RepairOption
         filled_share = 1 - hollow_volume / volume
         distances = surface_distances(raw, solid)
         plug = find_hollow(solid, sheet_thickness)
-    if options.simplify_faces is not None:
-        solid = simplify_solid(solid, options.simplify_faces)
-        volume = check_solid(solid)
-        distances = surface_distances(raw, solid)
     return Repaired(solid, volume, filled_share, plug is not None, float(distances.mean()))
 
 
@@ -91,15 +87,3 @@ def surface_distances(raw: TriangleMesh, solid: TriangleMesh) -> Float[np.ndarra
         raise ShapeError(str(error)) from None
     squared, _, _ = igl.point_mesh_squared_distance(points, solid.vertices, solid.faces)
     return np.sqrt(squared)
-
-
-def simplify_solid(solid: TriangleMesh, faces: int) -> TriangleMesh:
-    """Quadric decimation to a number of faces."""
-    import fast_simplification  # noqa: PLC0415
-
-    if len(solid.faces) <= faces:
-        return solid
-    vertices, kept = fast_simplification.simplify(
-        solid.vertices.astype(np.float32), solid.faces.astype(np.int32), target_count=faces
-    )
-    return TriangleMesh(vertices.astype(np.float64), kept.astype(np.int64))
