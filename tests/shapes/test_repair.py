@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from soups import box, join, lathe, without_side
-from test_soup import BROKEN, REASONS
+from test_cleaning import BROKEN, REASONS
 
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.cleaning import ShapeError
@@ -98,6 +98,7 @@ def test_no_broken_shape_reaches_the_libraries(monkeypatch, name: str) -> None:
     ("returned", "reason"),
     [
         (without_side(box(), 1, 1), "not watertight"),
+        (_flip(box(), np.arange(12) == 5), "not watertight"),
         (_flip(box(), np.ones(12, dtype=bool)), "no volume"),
         (TriangleMesh(np.full((8, 3), np.nan), box().faces), "no finite surface"),
         (TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)), "no finite surface"),

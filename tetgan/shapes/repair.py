@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from tetgan.geometry.boundary import Boundary
 from tetgan.geometry.triangles import TriangleMesh, join_meshes
 from tetgan.shapes.cleaning import ShapeError, clean_mesh
 from tetgan.shapes.hollow import find_hollow
@@ -65,16 +66,14 @@ def check_solid(solid: TriangleMesh) -> float:
     Raises:
         ShapeError: it is not.
     """
-    import trimesh  # noqa: PLC0415  half a second
-
     if not len(solid.faces) or not np.isfinite(solid.vertices).all():
         raise ShapeError("repair left no finite surface")
-    mesh = trimesh.Trimesh(solid.vertices, solid.faces, process=False)
-    if not (mesh.is_watertight and mesh.is_winding_consistent):
+    boundary = Boundary(solid.faces)
+    if boundary.nonmanifold_edges or boundary.misoriented_edges:
         raise ShapeError("not watertight after repair")
-    if not mesh.volume > 0:
+    if not solid.volume > 0:
         raise ShapeError("no volume after repair")
-    return float(mesh.volume)
+    return solid.volume
 
 
 def surface_distances(raw: TriangleMesh, solid: TriangleMesh) -> Float[np.ndarray, "P"]:

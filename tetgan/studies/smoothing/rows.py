@@ -105,7 +105,7 @@ class Truth:
 
     @cached_property
     def volume(self) -> float:
-        return enclosed_volume(self.surface)
+        return self.surface.volume
 
     @cached_property
     def bends(self) -> Bends:
@@ -145,13 +145,6 @@ def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[di
             row |= truth.figures(solid.surface)
             row |= _solid_figures(solid, solids[Variant(variant.displaced, "none")], truth.volume)
         yield row
-
-
-def enclosed_volume(surface: TriangleMesh) -> float:
-    """Signed volume of a closed surface, positive when it faces outward."""
-    apex = np.full(len(surface.faces), len(surface.vertices))
-    tets = np.column_stack([apex, surface.faces])
-    return float(tet_volumes(np.vstack([surface.vertices, np.zeros(3)]), tets).sum())
 
 
 def _solid_figures(solid: SolidMesh, unsmoothed: SolidMesh, volume: float) -> dict[str, float]:
