@@ -7,9 +7,15 @@ from PIL import Image
 
 from tetgan.errors import UserError
 from tetgan.studies.options import ResolutionOptions
-from tetgan.studies.resolution.convergence import convergence_order, resolution_to_reach, summarise
 from tetgan.studies.resolution.representations import BINARY, BLOCKY, DEFORMED, DISTANCE, UNDEFORMED
-from tetgan.studies.resolution.study import measure_curves, study_resolution, surface_error
+from tetgan.studies.resolution.study import (
+    convergence_order,
+    measure_curves,
+    resolution_to_reach,
+    study_resolution,
+    summarise,
+    surface_error,
+)
 from tetgan.studies.resolution.torus import Torus
 
 TINY = {"cells": [1, 2, 3], "deformed_cells": [1, 2], "depth": 1, "voxels": [8, 16, 32], "points": 2000}

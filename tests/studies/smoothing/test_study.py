@@ -24,8 +24,8 @@ from tetgan.methods.representation.options import RepresentationOptions
 from tetgan.models.files import build_generator, save_generator
 from tetgan.shapes.archive import read_meshes, write_meshes
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.claims import CLAIMS, weigh_claim, weigh_features
 from tetgan.studies.smoothing.files import Study, read_study
+from tetgan.studies.smoothing.report import CLAIMS, weigh_claim, weigh_features
 from tetgan.studies.smoothing.smoothers import VARIANTS, Variant
 from tetgan.studies.smoothing.study import study_smoothing
 from tetgan.studies.smoothing.table import FIGURES, IDENTITY, study_table, write_smoothing_table
