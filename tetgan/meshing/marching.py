@@ -112,7 +112,7 @@ def _points_of_cells(cells: Bool[np.ndarray, "C C C"]) -> Bool[np.ndarray, "S S 
 def _march(values: Cube, level: float, *, origin: float, spacing: float) -> TriangleMesh:
     """Marching cubes of values above the level inside, closed at the wall.
 
-    Stars the grid lies one more layer of points, outside: the values at the wall mirrored in the level.
+    Around the grid lies one more layer of points, outside: the values at the wall mirrored in the level.
     """
     mirrored = np.pad(values, 1, mode="edge")
     padded = np.minimum(mirrored, 2 * level - mirrored)

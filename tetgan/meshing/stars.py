@@ -75,7 +75,7 @@ class Stars:
         occupied: Bool[np.ndarray, "M"] | None,
         occupancy: Bool[np.ndarray, "T"],
     ) -> Pieces:
-        """Stars each simplex, its tets sorted into pieces.
+        """Around each simplex, its tets sorted into pieces.
 
         Args:
             simplices: not those of the outside of the collar; may repeat.
