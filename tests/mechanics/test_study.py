@@ -8,13 +8,11 @@ import pytest
 
 from tetgan.errors import UserError
 from tetgan.geometry.adjacency import boundary_faces
-from tetgan.geometry.tets import tet_volumes
+from tetgan.geometry.tets import TetMesh, tet_volumes
 from tetgan.mechanics.options import LoadCase, RemeshOptions, SimulationOptions
 from tetgan.mechanics.remesh import RemeshWorker, can_remesh
 from tetgan.mechanics.simulation import simulate
-from tetgan.mechanics.study import first_standing, is_standing, simulate_samples
-from tetgan.mechanics.table import tabulate_simulation
-from tetgan.rendering.meshes import Solid
+from tetgan.mechanics.study import first_standing, is_standing
 from tetgan.solids.export import write_tets
 from tetgan.solids.solid import SolidMesh
 
@@ -29,7 +27,7 @@ def leaning(bar):
     """A column that leans so far that its middle is no longer above its foot."""
     solid = bar(4, 1, length=0.8, side=0.2)
     x, y, z = solid.vertices.T
-    return Solid(np.stack([y + 0.8 * x, x, z], axis=1), solid.tets[:, [0, 2, 1, 3]])
+    return TetMesh(np.stack([y + 0.8 * x, x, z], axis=1), solid.tets[:, [0, 2, 1, 3]])
 
 
 @pytest.fixture(scope="module")
@@ -42,9 +40,9 @@ def samples(bar, leaning, tmp_path_factory):
     broken = block.vertices.copy()
     broken[np.argmin(((broken - 0.25) ** 2).sum(axis=1))] += 0.6
     bodies = {
-        "1": Solid(broken, block.tets),
+        "1": TetMesh(broken, block.tets),
         "2": leaning,
-        "3": Solid(np.concatenate([block.vertices, crumb]), np.concatenate([block.tets, crumb_tet])),
+        "3": TetMesh(np.concatenate([block.vertices, crumb]), np.concatenate([block.tets, crumb_tet])),
         "4": block,
     }
     for name, body in bodies.items():

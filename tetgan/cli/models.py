@@ -9,8 +9,6 @@ from tetgan.cli.app import OptionsText, Seed, Threads, app, read_options, read_p
 
 PANEL = "Models"
 
-CERTIFICATES = "*/certificate.csv"  # what a folder of samples holds
-
 
 @app.command(rich_help_panel=PANEL)
 def train(
@@ -94,7 +92,7 @@ def sample(
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
     from tetgan.models.pack import find_model, index_beside
-    from tetgan.models.samples import sample_model
+    from tetgan.solids.folder import CERTIFICATES
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")
     found = find_model(model)
@@ -132,6 +130,7 @@ def simplify(
     from tetgan.files import whole_folder
     from tetgan.meshing.simplify import simplify_samples
     from tetgan.shapes.options import SimplifyOptions
+    from tetgan.solids.folder import CERTIFICATES
 
     with whole_folder(folder, CERTIFICATES) as partial:
         simplify_samples(samples, partial, SimplifyOptions(faces=faces))

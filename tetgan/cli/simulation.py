@@ -59,9 +59,10 @@ def simulate(
     from tetgan.mechanics.materials import Material, read_material
     from tetgan.mechanics.options import LoadCase
     from tetgan.mechanics.pieces import largest_piece
-    from tetgan.mechanics.simulation import BODIES, read_body, readable_record, write_simulation
+    from tetgan.mechanics.simulation import BODIES, readable_record, write_simulation
     from tetgan.mechanics.simulation import simulate as run
     from tetgan.rendering.plots import FIGURES
+    from tetgan.solids.reading import read_solid
 
     if out is not None:
         check_suffix(out, "a simulated mesh", *BODIES)
@@ -78,7 +79,7 @@ def simulate(
     }
     values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}
     case = LoadCase.parse(values, "simulate")
-    solid = read_body(mesh)
+    solid = read_solid(mesh)
     try:
         result = run(largest_piece(solid) if largest else solid, case)
     except UserError as error:

@@ -15,7 +15,7 @@ from tetgan.errors import UserError
 from tetgan.evaluation.intervals import bootstrap
 from tetgan.evaluation.options import BootstrapOptions
 from tetgan.evaluation.seeds import named_rng
-from tetgan.solids.folder import KINDS, SampleFolder
+from tetgan.solids.folder import CERTIFICATES, KINDS, SampleFolder
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, row_name, write_twins
 from tetgan.tables.paper import read_paper, stated
 
@@ -121,7 +121,7 @@ class _Samples:
             UserError: there are none, or they lack columns.
         """
         found = {}
-        for path in sorted(self.folder.glob("*/certificate.csv")):
+        for path in sorted(self.folder.glob(CERTIFICATES)):
             certificate = SampleFolder(path.parent).certificate
             if certificate is None or not _NEEDED.issubset(certificate.columns):
                 raise UserError(f"{path}: no certificate of solids; sample the model again")

@@ -10,7 +10,6 @@ from tetgan.rendering.meshes import (
     list_shapes,
     read_originals,
     read_shape,
-    read_solid,
 )
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
@@ -27,11 +26,11 @@ def read_shown(folder: Path, name: str, kind: str, columns: int) -> Shown:
 
 def model_rows(folder: Path, name: str, reconstructed: Shown, generated: Shown) -> list[Row]:
     """Rows of one model: reconstructions, samples, samples cut open; all smoothed (Eq. 4)."""
-    solids = [read_solid(folder / "generated" / f"{shape_id}.vtu") for _, _, shape_id, _ in generated]
+    solids = [cut_open(folder / "generated" / f"{shape_id}.vtu", CUT) for _, _, shape_id, _ in generated]
     return [
         Row(f"{name}\nreconstructed", [shape for *_, shape in reconstructed], ruled=True),
         Row(f"{name}\nsampled", [shape for *_, shape in generated]),
-        Row(f"{name}\ncut open", [cut_open(solid, CUT) for solid in solids], azimuth=CUT_AZIMUTH),
+        Row(f"{name}\ncut open", solids, azimuth=CUT_AZIMUTH),
     ]
 
 

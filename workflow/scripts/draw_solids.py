@@ -5,25 +5,25 @@ from pathlib import Path
 import pandas as pd
 
 from tetgan.rendering.figure import Row, Shape, draw_rows
-from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, read_shape, read_solid
+from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, finished_samples, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
-from tetgan.solids.folder import finished_samples
+from tetgan.solids.folder import read_certificates
 
 NORMAL = (1.0, 0.0, 0.0)
 SHARES = (0.8, 0.65, 0.5, 0.35, 0.2)  # position of the plane along the shape
 FIRST, SHOWN = 16, 3  # of the first samples those with the most tets: they have an inside to look into
 
 
-def chosen(folder: Path) -> pd.DataFrame:
-    table = pd.read_csv(folder / "certificate.csv", dtype={"id": str})
+def chosen(folder: Path) -> list[str]:
+    table = read_certificates(folder)
+    assert table is not None, f"{folder}: not certified"
     first = table[table["set"] == "generated"].head(FIRST)
     return first.sort_values(["tets", "id"], ascending=[False, True]).head(SHOWN)
 
 
 def solid_row(path: Path, title: str, surface: Shape | None) -> Row:
-    solid = read_solid(path.with_suffix(".vtu"))
-    cuts = [cut_open(solid, NORMAL, share) for share in SHARES]
+    cuts = [cut_open(path.with_suffix(".vtu"), NORMAL, share) for share in SHARES]
     return Row(title, [surface, *cuts], azimuth=CUT_AZIMUTH)
 
 

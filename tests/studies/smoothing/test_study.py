@@ -23,10 +23,10 @@ from tetgan.methods.representation.options import RepresentationOptions
 from tetgan.models.files import build_generator, save_generator
 from tetgan.shapes.archive import read_meshes, write_meshes
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.claims import CLAIMS, weigh_claim, weigh_features
-from tetgan.studies.smoothing.files import VARIANTS, Study, Variant, read_study
-from tetgan.studies.smoothing.study import measure_smoothing
-from tetgan.studies.smoothing.table import FIGURES, IDENTITY, study_table, tabulate_smoothing
+from tetgan.studies.smoothing.files import Study, read_study
+from tetgan.studies.smoothing.report import CLAIMS, weigh_claim, weigh_features
+from tetgan.studies.smoothing.smoothers import VARIANTS, Variant
+from tetgan.studies.smoothing.table import FIGURES, IDENTITY, study_table
 
 EVALUATION = EvaluationOptions.parse({"points": 1000, "samples": 4, "kernel": {"block": 2}})
 OTHER_SEED = EvaluationOptions.parse({**EVALUATION.model_dump(), "seed": 1})

@@ -134,9 +134,7 @@ def _measure_reconstructions(
         rows += shape_rows(truth, solids)
         if not example:
             example = {REPAIRED: truth.surface}
-            example |= {
-                variant.name: TriangleMesh(solid.vertices, solid.faces) for variant, solid in solids.items()
-            }
+            example |= {variant.name: solid.surface for variant, solid in solids.items()}
     return rows, example
 
 
@@ -175,7 +173,7 @@ def _draw_clouds(
     for number, solids in enumerate(progress):
         seed = named_seed(options.seed, "cloud", f"{number:04d}")
         for variant, solid in solids.items():
-            drawn = draw_sample(TriangleMesh(solid.vertices, solid.faces), points, seed)
+            drawn = draw_sample(solid.surface, points, seed)
             clouds[variant].append(drawn.points.astype(np.float32))
     return clouds
 
