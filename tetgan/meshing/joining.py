@@ -57,6 +57,6 @@ def components_after(
     across, seam = component[patches.across], ~patches.occupied[patches.rim_patch]
     one = patches.most_of_rim(np.where(seam, across, -1))[patches.rim_patch]
     joined = seam & (across >= 0)
-    labels = label_components(one[joined], across[joined], component.max(initial=0) + 1)
+    labels = label_components(one[joined], across[joined], int(component.max(initial=0)) + 1)
     number = np.append(labels, -1)  # the -1 of empty tets reads the last
     return number[component], number[one]
