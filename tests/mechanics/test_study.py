@@ -12,7 +12,8 @@ from tetgan.geometry.tets import TetMesh, tet_volumes
 from tetgan.mechanics.options import LoadCase, RemeshOptions, SimulationOptions
 from tetgan.mechanics.remesh import RemeshWorker, can_remesh
 from tetgan.mechanics.simulation import simulate
-from tetgan.mechanics.study import first_standing, is_standing
+from tetgan.mechanics.study import first_standing, is_standing, simulate_samples
+from tetgan.mechanics.table import tabulate_simulation
 from tetgan.solids.export import write_tets
 from tetgan.solids.solid import SolidMesh
 

@@ -22,8 +22,8 @@ from tetgan.mechanics.options import LoadCase, SimulationOptions
 from tetgan.mechanics.pieces import label_pieces, largest_piece
 from tetgan.mechanics.remesh import RemeshWorker, can_remesh
 from tetgan.mechanics.simulation import Simulation, simulate
-from tetgan.rendering.meshes import finished_samples, sample_ids
 from tetgan.shapes.cleaning import ShapeError
+from tetgan.solids.folder import finished_samples, sample_ids
 from tetgan.solids.reading import read_solid
 
 log = logging.getLogger(__name__)

@@ -14,7 +14,6 @@ from tetgan.rendering.raycast import STEEL
 from tetgan.shapes.archive import pick_meshes
 from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.loading import parse_mesh, read_file
-from tetgan.solids.folder import read_certificates
 from tetgan.solids.reading import read_solid
 
 INSIDE: tuple[float, float, float] = (0.93, 0.55, 0.22)  # colour of the faces a cut opens, linear RGB
@@ -97,19 +96,3 @@ def read_originals(archives: Sequence[str | Path], ids: Sequence[str]) -> list[S
     """Repaired meshes by id, None for an id that no archive holds."""
     found = pick_meshes([Path(archive) for archive in archives], ids)
     return [Shape(found[i].vertices, found[i].faces) if i in found else None for i in ids]
-
-
-def finished_samples(samples: Path) -> Path:
-    """The folder of a model's meshes as they are meant to be shown: smoothed, where the model smooths."""
-    return samples / "wls" if (samples / "wls").is_dir() else samples / "none"
-
-
-def sample_ids(folder: Path, kind: str, count: int | None = None) -> list[str]:
-    """Ids of the first `count` meshes of a kind, `generated` or `reconstructed`, in a folder of samples.
-
-    The certificate, where there is one, also names the shapes that came out empty.
-    """
-    table = read_certificates(folder)
-    if table is not None:
-        return table.loc[table["set"] == kind, "id"].tolist()[:count]
-    return sorted(path.stem for path in (folder / kind).glob("*.ply"))[:count]

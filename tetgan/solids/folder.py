@@ -99,8 +99,7 @@ def sample_ids(folder: Path, kind: str, count: int | None = None) -> list[str]:
 
     The certificate, where there is one, also names the shapes that came out empty.
     """
-    certificate = folder / "certificate.csv"
-    if certificate.is_file():
-        table = pd.read_csv(certificate, dtype={"id": str, "set": str}, keep_default_na=False)
+    table = read_certificates(folder)
+    if table is not None:
         return table.loc[table["set"] == kind, "id"].tolist()[:count]
     return sorted(path.stem for path in (folder / kind).glob("*.ply"))[:count]

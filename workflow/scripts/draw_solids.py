@@ -5,17 +5,17 @@ from pathlib import Path
 import pandas as pd
 
 from tetgan.rendering.figure import Row, Shape, draw_rows
-from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, finished_samples, read_shape
+from tetgan.rendering.meshes import CUT_AZIMUTH, cut_open, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
-from tetgan.solids.folder import read_certificates
+from tetgan.solids.folder import finished_samples, read_certificates
 
 NORMAL = (1.0, 0.0, 0.0)
 SHARES = (0.8, 0.65, 0.5, 0.35, 0.2)  # position of the plane along the shape
 FIRST, SHOWN = 16, 3  # of the first samples those with the most tets: they have an inside to look into
 
 
-def chosen(folder: Path) -> list[str]:
+def chosen(folder: Path) -> pd.DataFrame:
     table = read_certificates(folder)
     assert table is not None, f"{folder}: not certified"
     first = table[table["set"] == "generated"].head(FIRST)

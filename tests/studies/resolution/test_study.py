@@ -11,6 +11,7 @@ from tetgan.studies.resolution.representations import BINARY, BLOCKY, DEFORMED, 
 from tetgan.studies.resolution.study import (
     convergence_order,
     measure_curves,
+    measure_resolution,
     resolution_to_reach,
     summarise,
     surface_error,

@@ -26,7 +26,8 @@ from tetgan.studies.options import SmoothingOptions
 from tetgan.studies.smoothing.files import Study, read_study
 from tetgan.studies.smoothing.report import CLAIMS, weigh_claim, weigh_features
 from tetgan.studies.smoothing.smoothers import VARIANTS, Variant
-from tetgan.studies.smoothing.table import FIGURES, IDENTITY, study_table
+from tetgan.studies.smoothing.study import measure_smoothing
+from tetgan.studies.smoothing.table import FIGURES, IDENTITY, study_table, tabulate_smoothing
 
 EVALUATION = EvaluationOptions.parse({"points": 1000, "samples": 4, "kernel": {"block": 2}})
 OTHER_SEED = EvaluationOptions.parse({**EVALUATION.model_dump(), "seed": 1})
