@@ -7,7 +7,7 @@ again that need it, and no others.
 import ast
 import hashlib
 from collections.abc import Collection, Iterator
-from functools import lru_cache
+from functools import cache, lru_cache
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
@@ -50,7 +50,6 @@ def code_behind(*entry_points: str | Path) -> dict[str, bytes]:
             imported, strings = _mentioned(found[name], package)
             todo += [package, *imported, *strings]
             found |= _data_beside(path, package, strings)
-    found.pop("", None)
     return found
 
 
@@ -62,32 +61,44 @@ def _is_declarative(name: str) -> bool:
 def _path_of(name: str) -> Path | None:
     """File of a module, which is not imported; None where there is none, as for a name in a module."""
     package, *parts = name.split(".")
-    spec = find_spec(package) if package.isidentifier() else None
+    spec = find_spec(package)
     if spec is None:
         return None
     if not parts:
-        origin = Path(spec.origin or "")
-        return origin if origin.suffix == ".py" else None
-    roots = [Path(root).joinpath(*parts) for root in spec.submodule_search_locations or ()]
-    paths = [path for root in roots for path in (root / "__init__.py", root.with_suffix(".py"))]
-    return next((path for path in paths if path.is_file()), None)
+        return Path(spec.origin) if spec.origin and spec.origin.endswith(".py") else None
+    found = (_file_in(root, tuple(parts)) for root in spec.submodule_search_locations or ())
+    return next((path for path in found if path), None)
+
+
+@cache
+def _file_in(root: str, parts: tuple[str, ...]) -> Path | None:
+    """The same in one folder; files may change while this runs, but do not come and go."""
+    folder = Path(root, *parts)
+    return next(
+        (path for path in (folder / "__init__.py", folder.with_suffix(".py")) if path.is_file()), None
+    )
 
 
 def _data_beside(path: Path, package: str, names: Collection[str]) -> dict[str, bytes]:
-    """Files in those folders beside a module that `names` hold and that are no packages."""
-    folders = [folder for folder in path.parent.iterdir() if folder.name in names and folder.is_dir()]
+    """Files in those folders beside a module that `names` hold."""
     return {
         f"{package}/{file.relative_to(path.parent).as_posix()}": file.read_bytes()
-        for folder in folders
-        if not (folder / "__init__.py").exists()
+        for folder in _data_folders(path.parent)
+        if folder.name in names
         for file in folder.rglob("*")
         if file.is_file()
     }
 
 
+@cache
+def _data_folders(parent: Path) -> list[Path]:
+    """Folders that are no packages."""
+    return [path for path in parent.iterdir() if path.is_dir() and not (path / "__init__.py").exists()]
+
+
 @lru_cache(maxsize=4096)
 def _mentioned(source: bytes, package: str) -> tuple[frozenset[str], frozenset[str]]:
-    """Names that a module may import, and its strings.
+    """Names that a module may import, and strings in it that may be names.
 
     Of `from a import b` both `a` and `a.b`. Of a name that is put together, as in `import_module(f"a.{b}")`,
     every module of `a`.
@@ -103,7 +114,7 @@ def _mentioned(source: bytes, package: str) -> tuple[frozenset[str], frozenset[s
             case ast.Call(args=[ast.JoinedStr(values=[ast.Constant(value=str(start)), *_]), *_]):
                 if ast.unparse(node.func).endswith("import_module"):
                     imported.update(_modules_of(start.rpartition(".")[0]))
-            case ast.Constant(value=str(text)):
+            case ast.Constant(value=str(text)) if text.replace(".", "").isidentifier():
                 strings.add(text)
     return frozenset(imported), frozenset(strings)
 
