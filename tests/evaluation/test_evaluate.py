@@ -180,8 +180,8 @@ def test_too_few_samples_leave_metrics_empty(measure, samples):
         assert section["metrics"][metric]["value"] is None
     assert section["notes"] == [
         "variety needs 7 surfaces and has 5",
-        "FID, KID, precision and recall need 6 surfaces on each side and have 5, 6",
-        "MMD, COV, 1-NNA and JSD need 6 surfaces on each side and have 5, 6",
+        "FID, KID, FID∞, Precision, Recall need 6 surfaces on each side and have 5, 6",
+        "MMD, COV, 1-NNA, JSD need 6 surfaces on each side and have 5, 6",
     ]
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from clouds import clouds, extractor  # noqa: F401
 
 PAPER = Path(__file__).parents[2] / "workflow" / "resources" / "paper_tables.csv"
 

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.category import IDENTITY, METRICS, write_table
-from tetgan.tables.paper import published, read_paper, stated
+from tetgan.tables.category import COLUMNS, write_table
+from tetgan.tables.paper import published, quoted_figure, read_paper
+from tetgan.tables.rows import IDENTITY
 
 PAPER = Path(__file__).parents[2] / "workflow" / "resources" / "paper_tables.csv"
 
@@ -98,7 +99,7 @@ def test_columns_are_identity_then_six_a_metric(tmp_path):
         "chamfer_n",
         "chamfer_paper",
     ]
-    assert len(table.columns) == len(IDENTITY) + 6 * len(METRICS)
+    assert len(table.columns) == len(IDENTITY) + 6 * len(COLUMNS)
 
 
 def test_the_papers_figures_stand_beside_its_rows_alone_as_printed(tmp_path):
@@ -120,11 +121,11 @@ def test_one_seed_keeps_its_own_deviation_and_interval(tmp_path):
 
 
 def test_every_metric_has_its_place_in_the_readable_table(tmp_path):
-    metrics = {name: (round(0.1 + 0.01 * i, 3),) for i, name in enumerate(METRICS)}
+    metrics = {name: (round(0.1 + 0.01 * i, 3),) for i, name in enumerate(COLUMNS)}
     _, text = make_table(tmp_path, [report("tetgan-LR", **metrics)])
     for name, (value,) in metrics.items():
         assert f"| {value}" in text, name
-    assert "MMD, COV and 1-NNA: 4 shapes on each side, Chamfer distance of 512 points a shape" in text
+    assert "MMD, COV, 1-NNA: 4 shapes on each side, Chamfer distance of 512 points a shape" in text
 
 
 def test_several_seeds_give_their_mean_and_deviation(tmp_path):
@@ -180,9 +181,9 @@ def test_published_figures_are_complete():
 
 def test_the_running_text_is_quoted_where_it_says_something():
     figures = read_paper(PAPER)
-    assert stated(figures, "table", "data set", "shapes") == "8436"
-    assert stated(figures, "chair", "generated", "manifold_edges") == "98.5%"
-    assert stated(figures, "chair", "generated", "fid") is None
+    assert quoted_figure(figures, "table", "data set", "shapes") == "8436"
+    assert quoted_figure(figures, "chair", "generated", "manifold_edges") == "98.5%"
+    assert quoted_figure(figures, "chair", "generated", "fid") is None
 
 
 def test_supplement_belongs_to_the_grid_it_names():

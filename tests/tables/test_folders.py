@@ -10,8 +10,7 @@ import trimesh
 from tetgan.errors import UserError
 from tetgan.evaluation.meshfolder import MeshFolder
 from tetgan.evaluation.options import BootstrapOptions, EvaluationOptions, SetOptions, VarietyOptions
-from tetgan.tables.category import METRICS
-from tetgan.tables.folders import MEANINGS, evaluate_folders
+from tetgan.tables.folders import evaluate_folders
 
 OPTIONS = EvaluationOptions(
     points=600,
@@ -189,10 +188,6 @@ def test_frames_that_differ_are_noticed_and_can_be_fitted(measure, slabs, tmp_pa
     assert "centred in the unit cube, the longest side 1" in text
     assert values(fitted["found"])["mmd"] < 0.05
     assert values(stored["found"])["mmd"] > 100
-
-
-def test_every_metric_of_surfaces_has_a_meaning():
-    assert set(METRICS) - set(MEANINGS) == {"iou", "inverted_tets", "valid"}  # those need a field or tets
 
 
 def test_a_mesh_split_into_triangles_keeps_its_edges(tmp_path):

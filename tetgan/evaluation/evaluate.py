@@ -14,6 +14,7 @@ from rich.progress import track
 
 from tetgan.errors import UserError
 from tetgan.evaluation.chamfer import SurfaceSample, resampled_chamfer
+from tetgan.evaluation.metrics import names_of
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.originals import read_splits, repaired_meshes, training_cloud, training_clouds
 from tetgan.evaluation.reconstructions import Reconstruction, draw_truth, measure_reconstruction
@@ -26,7 +27,7 @@ from tetgan.extractor.network import Classifier, load_classifier
 from tetgan.files import whole_file
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.clouds import read_clouds
-from tetgan.solids.folder import SOLID_METRICS, SampleFolder
+from tetgan.solids.folder import SampleFolder
 
 SMOOTHINGS = ("none", "wls")
 """Folders of a model's samples: without, and with the weighted Laplacian smoothing of Eq. 4."""
@@ -180,7 +181,7 @@ def _measure_smoothing(
             "inverted_tets": inverted if len(inverted) else folder.inverted_shares("reconstructed"),
         }
     )
-    for column in SOLID_METRICS:
+    for column in (*names_of("solids"), "valid"):
         made = folder.of_solids("generated", column)
         section.add_means({column: made if len(made) else folder.of_solids("reconstructed", column)})
     section.add_variety(_samples_for_variety(generated, options), yardstick.threads)

@@ -1,4 +1,4 @@
-"""What is measured of one set of surfaces: its figures, and what to know when reading them."""
+"""Metrics of one set of surfaces, and notes on reading them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,8 +10,6 @@ from jaxtyping import Float
 from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample, chamfer_between, chamfer_within
 from tetgan.evaluation.coverage import two_sets
 from tetgan.evaluation.estimates import (
-    FEATURE_METRICS,
-    SET_METRICS,
     Estimate,
     feature_estimates,
     jsd_estimate,
@@ -19,6 +17,7 @@ from tetgan.evaluation.estimates import (
     repeats_estimate,
     set_estimates,
 )
+from tetgan.evaluation.metrics import names_of, titles_of
 from tetgan.evaluation.novelty import nearest_training
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.reconstructions import Reconstruction
@@ -119,11 +118,7 @@ class Section:
         """FID and its kin against the hold-out, missing where either side is too small."""
         needed = self.options.samples
         if found is None or holdout.features is None:
-            self.metrics |= dict.fromkeys(FEATURE_METRICS, Estimate())
-            self.notes.append(
-                f"FID, KID, precision and recall need {needed} surfaces on each side and have {available}, "
-                f"{holdout.available}"
-            )
+            self._leave_out("features", needed, available, holdout.available)
             return
         self.metrics |= feature_estimates(found, holdout.features, self.options)
         if needed < 3 * FEATURES:
@@ -136,11 +131,7 @@ class Section:
         """MMD, COV, 1-NNA and JSD of the first clouds, missing where either side is too small."""
         needed = self.options.sets.shapes
         if len(found) < needed or reference.clouds is None or reference.within is None:
-            self.metrics |= dict.fromkeys(SET_METRICS, Estimate())
-            self.notes.append(
-                f"MMD, COV, 1-NNA and JSD need {needed} surfaces on each side and have {len(found)}, "
-                f"{reference.available}"
-            )
+            self._leave_out("sets", needed, len(found), reference.available)
             return
         found = found[:needed]
         own, real = _part(found, self.options), _part(reference.clouds, self.options)
@@ -159,6 +150,11 @@ class Section:
             self.metrics["novelty"] = Estimate()
             return
         self.add_means({"novelty": nearest_training(found, training).distance})
+
+    def _leave_out(self, group: str, needed: int, found: int, real: int) -> None:
+        names = names_of(group)
+        self.metrics |= dict.fromkeys(names, Estimate())
+        self.notes.append(f"{titles_of(names)} need {needed} surfaces on each side and have {found}, {real}")
 
     def note_resampled(self, distances: Sequence[float]) -> None:
         """Say what shapes score against themselves with the points that sets are compared by."""

@@ -14,9 +14,6 @@ from tetgan.solids.reading import read_surface
 
 KINDS = ("generated", "reconstructed")
 
-SOLID_METRICS = ("volume", "thickness", "components", "floating", "valid")
-"""Columns of the certificate whose means over the shapes that are not empty are metrics of the same name."""
-
 
 @dataclass(frozen=True)
 class SampleFolder:

@@ -7,11 +7,14 @@ from typing import Any
 import pandas as pd
 
 from tetgan.errors import UserError
-from tetgan.solids.folder import SOLID_METRICS
-from tetgan.tables.category import (
+from tetgan.evaluation.metrics import headings_of, names_of
+from tetgan.tables.category import COLUMNS as CATEGORY_COLUMNS
+from tetgan.tables.markdown import markdown_table, metric_columns, page, plain, row_name, write_twins
+from tetgan.tables.notes import table_notes
+from tetgan.tables.paper import read_paper
+from tetgan.tables.rows import (
     IDENTITY,
     METRIC_PARTS,
-    METRICS,
     estimates_of,
     group_reports,
     identity_cells,
@@ -20,24 +23,13 @@ from tetgan.tables.category import (
     read_reports,
     with_whole_counts,
 )
-from tetgan.tables.markdown import cell, markdown_table, page, plain, row_name, write_twins
-from tetgan.tables.notes import table_notes
-from tetgan.tables.paper import read_paper
 
-COLUMNS = tuple(dict.fromkeys((*METRICS, *SOLID_METRICS)))
+COLUMNS = (*CATEGORY_COLUMNS, *names_of("solids"))
 """Metrics, in the order of the columns."""
 
-_FIGURES = {"fid": "FID ↓", "kid": "KID ↓", "chamfer": "Chamfer ↓", "iou": "IoU ↑", "variety": "Variety ↑"}
+_FIGURES = ("fid", "kid", "chamfer", "iou", "variety")
 
-_SOLIDS = {
-    "volume": "Volume",
-    "thickness": "Thickness",
-    "floating": "Floating tets ↓",
-    "components": "Components ↓",
-    "inverted_tets": "Inverted tets ↓",
-    "manifold_edges": "Manifold edges ↑",
-    "faces": "Faces",
-}
+_SOLIDS = (*names_of("solids"), "inverted_tets", "manifold_edges", "faces")
 
 _MADE = {"changes": "Differs from the full model in", "train_minutes": "Training, min", "n": "Surfaces"}
 
@@ -97,8 +89,7 @@ def build_ablation(
 def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], category: str) -> str:
     names = {"Model": table.apply(row_name, axis=1)}
     figures, solids = (
-        markdown_table(names | {title: table.apply(cell, axis=1, metric=m) for m, title in titles.items()})
-        for titles in (_FIGURES, _SOLIDS)
+        markdown_table(names | metric_columns(table, headings_of(shown))) for shown in (_FIGURES, _SOLIDS)
     )
     made = markdown_table(names | {title: table[column].map(plain) for column, title in _MADE.items()})
     return page(

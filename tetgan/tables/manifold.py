@@ -6,7 +6,10 @@ from typing import Any
 
 import pandas as pd
 
-from tetgan.tables.category import (
+from tetgan.evaluation.metrics import headings_of, names_of
+from tetgan.tables.markdown import markdown_table, metric_columns, page, plain, row_name, write_twins
+from tetgan.tables.paper import quoted_figure, read_paper
+from tetgan.tables.rows import (
     METRIC_PARTS,
     estimates_of,
     group_reports,
@@ -16,10 +19,8 @@ from tetgan.tables.category import (
     read_reports,
     with_whole_counts,
 )
-from tetgan.tables.markdown import cell, markdown_table, page, plain, row_name, write_twins
-from tetgan.tables.paper import read_paper, stated
 
-METRICS = ("manifold_edges", "boundary_edges", "nonmanifold_edges", "manifold_shapes")
+METRICS = ("manifold_edges", *names_of("edges"))
 """Shares of edges with two faces, one, and more; and the share of shapes that are closed manifolds."""
 
 IDENTITY = (
@@ -35,13 +36,6 @@ IDENTITY = (
     "n",
     "reduced",
 )
-
-_TITLES = {
-    "manifold_edges": "Manifold edges ↑",
-    "boundary_edges": "One face ↓",
-    "nonmanifold_edges": "Three or more ↓",
-    "manifold_shapes": "Manifold shapes ↑",
-}
 
 _NOTES = [
     "Shares of a mesh's edges with two faces (manifold), one, and three or more; means over meshes. A shape "
@@ -93,7 +87,9 @@ def _row(members: Sequence[Mapping[str, Any]], smoothing: str, paper: pd.DataFra
     # The paper speaks of its own method only.
     own = first["model"].startswith(("tetgan", "representation"))
     for metric, found in estimates.items():
-        row |= metric_cells(metric, found, stated(paper, first["category"], shapes, metric) if own else None)
+        row |= metric_cells(
+            metric, found, quoted_figure(paper, first["category"], shapes, metric) if own else None
+        )
     return row
 
 
@@ -112,6 +108,6 @@ def _render(table: pd.DataFrame) -> str:
         "Model": table.apply(row_name, axis=1),
         "Shapes": table["shapes"],
         "N": table["n"].map(plain),
-        **{title: table.apply(cell, axis=1, metric=metric) for metric, title in _TITLES.items()},
+        **metric_columns(table, headings_of(METRICS)),
     }
     return page("Manifold edges", markdown_table(columns), notes=_NOTES)

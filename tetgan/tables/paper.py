@@ -61,7 +61,7 @@ def published(figures: pd.DataFrame, category: str, model: str, grid: str, smoot
     return dict(zip(rows["metric"], rows["value"], strict=True))
 
 
-def stated(figures: pd.DataFrame, category: str, subject: str, metric: str) -> str | None:
+def quoted_figure(figures: pd.DataFrame, category: str, subject: str, metric: str) -> str | None:
     """What the paper's running text says of a subject, such as 'data set', as printed; None: nothing."""
     rows = figures[
         (figures["category"] == category) & (figures["model"] == subject) & (figures["metric"] == metric)

@@ -13,11 +13,12 @@ from jaxtyping import Float, Int
 
 from tetgan.errors import UserError
 from tetgan.evaluation.intervals import bootstrap
+from tetgan.evaluation.metrics import headings_of
 from tetgan.evaluation.options import BootstrapOptions
 from tetgan.evaluation.seeds import named_rng
 from tetgan.solids.folder import KINDS, SampleFolder
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, row_name, write_twins
-from tetgan.tables.paper import read_paper, stated
+from tetgan.tables.paper import quoted_figure, read_paper
 
 IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
 
@@ -61,17 +62,16 @@ _COUNTS = ("tets", "seeds", "n", "empty", *SUMS, "dropped_components")
 
 _NEEDED = {"id", "set", "valid", "p1_dihedral", "radius_ratios", "changed", "dropped_components", *SUMS}
 
-_TITLES = {
-    "valid": "Valid ↑",
-    "inverted_tets": "Inverted tets ↓",
+_HEADINGS = {
+    **headings_of(("valid", "inverted_tets")),
     "min_dihedral": "Least angle ↑",
     "p1_dihedral": "1 % of angles ↑",
     "min_radius_ratio": "Least radius ratio ↑",
-    "manifold_edges": "Manifold edges ↑",
-    "nonmanifold_edges": "Edges amiss ↓",
-    "nonmanifold_vertices": "Vertices amiss ↓",
+    **headings_of(("manifold_edges",)),
+    "nonmanifold_edges": "Non-manifold edges ↓",
+    "nonmanifold_vertices": "Non-manifold vertices ↓",
     "self_intersections": "Self-intersections ↓",
-    "components": "Components",
+    **headings_of(("components",)),
     "dropped_components": "Dropped",
     "changed_median": "Changed, median",
     "changed_p95": "Changed, 95 %",
@@ -85,9 +85,9 @@ _NOTES = [
     "no self-intersection of the boundary (libigl), no part within another; docs/certificate.md.",
     "Mode `paper` leaves the mesh as the paper's recipe makes it, `solid` makes it valid; the fields are the "
     "same. Training and validation shapes are ground-truth fields.",
-    "Inverted tets, edges and vertices amiss, self-intersections and dropped pieces are sums over meshes. "
-    "Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their tets fall "
-    "short of. Components are means. Empty meshes are left out.",
+    "Inverted tets, non-manifold edges and vertices, self-intersections and dropped pieces are sums over "
+    "meshes. Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their "
+    "tets fall short of. Components are means. Empty meshes are left out.",
     "Changed: tets added or removed to make the boundary manifold, as a share of those there were. Volume to "
     "paper: median over meshes of the volume beside that of mode `paper`.",
     "The paper states manifold edges of its ground-truth chairs and of generated ones (in parentheses), and "
@@ -192,7 +192,9 @@ def _row(
         "seeds": len(members),
         "n": len(solids),
         "empty": len(meshes) - len(solids),
-        "manifold_edges_paper": stated(paper, category, known[shapes], "manifold_edges") if own else None,
+        "manifold_edges_paper": quoted_figure(paper, category, known[shapes], "manifold_edges")
+        if own
+        else None,
         **(_figures(solids, mode) if len(solids) else {}),
         **_estimate("volume_ratio", _volume_ratios(members, samples, smoothing, kind), np.median),
     }
@@ -267,7 +269,7 @@ def _render(table: pd.DataFrame) -> str:
         "Shapes": table["shapes"],
         "N": table["n"].map(plain),
     }
-    columns |= {title: table.apply(_cell, axis=1, figure=name) for name, title in _TITLES.items()}
+    columns |= {title: table.apply(_cell, axis=1, figure=name) for name, title in _HEADINGS.items()}
     return page("Quality of the solids", markdown_table(columns), notes=_NOTES)
 
 

@@ -10,10 +10,10 @@ import pandas as pd
 from tetgan.errors import UserError
 from tetgan.shapes.catalogue import read_catalogue
 from tetgan.shapes.clouds import read_clouds
-from tetgan.tables.category import group_reports, known_mean, read_reports
 from tetgan.tables.dataset import count_shapes
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, write_twins
-from tetgan.tables.paper import read_paper, stated
+from tetgan.tables.paper import quoted_figure, read_paper
+from tetgan.tables.rows import group_reports, known_mean, read_reports
 
 BENCHMARKS = (
     "repair_shapes/{category}/{shard}",
@@ -271,7 +271,7 @@ def _total(values: Sequence[float], expected: int) -> float | None:
 
 def _printed(row: Mapping[str, Any], paper: pd.DataFrame) -> str | None:
     if row["stage"] == "train_model" and row["model"].startswith("tetgan"):
-        return stated(paper, row["category"], "training", "time")
+        return quoted_figure(paper, row["category"], "training", "time")
     return None
 
 
@@ -290,7 +290,7 @@ def _preprocessing(rows: Sequence[Mapping[str, Any]], paper: pd.DataFrame) -> li
                 "shapes": both[0]["shapes"],
                 "seconds_a_shape": sum(seconds) if len(seconds) == len(both) else None,
                 "max_rss_mib": max(memory, default=None),
-                "paper": stated(paper, "any", "preprocessing", "time"),
+                "paper": quoted_figure(paper, "any", "preprocessing", "time"),
             }
         )
     return made

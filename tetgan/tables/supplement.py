@@ -7,7 +7,11 @@ from typing import Any
 import pandas as pd
 
 from tetgan.errors import UserError
-from tetgan.tables.category import (
+from tetgan.evaluation.metrics import BY_NAME
+from tetgan.tables.markdown import cell, markdown_table, page, plain, row_name, write_twins
+from tetgan.tables.notes import extractor_notes
+from tetgan.tables.paper import read_paper
+from tetgan.tables.rows import (
     estimates_of,
     group_reports,
     identity_cells,
@@ -16,9 +20,6 @@ from tetgan.tables.category import (
     read_reports,
     with_whole_counts,
 )
-from tetgan.tables.markdown import cell, markdown_table, page, plain, row_name, write_twins
-from tetgan.tables.notes import extractor_notes
-from tetgan.tables.paper import read_paper
 
 CATEGORIES = ("bench", "sofa", "table", "vase")
 """Columns, in the paper's order. One that was not run stays, empty but for the paper's figures."""
@@ -28,13 +29,7 @@ FIGURES = {"fid": "fid", "variety": "variety", "reconstruction": "chamfer"}
 
 IDENTITY = ("model", "grid", "tets", "mode", "smoothing", "simplified", "reduced", "extractor")
 
-_TITLES = {
-    "fid": "FID ↓ of samples",
-    "variety": "Variety ↑ of samples",
-    "reconstruction": "Chamfer distance ↓ of reconstructions",
-}
-
-_WORDS = {"fid": "FID", "variety": "variety", "reconstruction": "Chamfer"}
+_SUBJECTS = {"fid": "samples", "variety": "samples", "reconstruction": "reconstructions"}
 
 _ABOUT_PAPER = (
     "The paper's figures stand in parentheses as printed: benches and vases are its high-resolution models, "
@@ -99,7 +94,7 @@ def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], figure: s
         "Other than the paper's": table["reduced"].map(plain),
     }
     return page(
-        _TITLES[figure],
+        f"{BY_NAME[FIGURES[figure]].heading} of {_SUBJECTS[figure]}",
         _ABOUT_PAPER,
         markdown_table(names | cells),
         "## How each row was made",
@@ -117,7 +112,7 @@ def _notes(reports: Sequence[Mapping[str, Any]], figure: str) -> list[str]:
         if report["category"] in CATEGORIES
         for section in report["smoothings"].values()
         for note in section["notes"]
-        if _WORDS[figure] in note
+        if BY_NAME[FIGURES[figure]].title.casefold() in note.casefold()
     }
     return [
         f"[…]: {level:g} % intervals; ±: over seeds, or for one seed over repeats (variety). "
