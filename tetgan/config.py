@@ -262,6 +262,13 @@ class Config(Options):
         own = self.models[model].model_dump(exclude={"training", "meshing"})
         return own | self.training_of(model).model_dump() | self.meshing_of(model).model_dump()
 
+    def without(self, model: str) -> list[str]:
+        """Critics that a model of kind `tetgan` is trained without."""
+        if self.models[model].kind != "tetgan":
+            return []
+        training: Any = self.training_of(model)
+        return [name for name in ("local", "global") if getattr(training, f"{name}_weight") == 0]
+
     def reductions(self, model: str) -> str:
         """What is smaller than in the paper for one model, or chosen otherwise, in words; empty: nothing."""
         options: Any = self.models[model]

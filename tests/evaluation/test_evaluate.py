@@ -63,7 +63,7 @@ def samples(tmp_path_factory):
                     {"set": kind, "id": shape_id, "iou": iou, "tets": 8 * made, "inverted_tets": 2 * made}
                 )
         pd.DataFrame(rows).to_csv(root / name / "certificate.csv", index=False)
-    (root / "about.json").write_text(json.dumps({"tets": 1536, "train_minutes": 2.5}))
+    (root / "about.json").write_text(json.dumps({"method": "tetgan", "tets": 1536, "train_minutes": 2.5}))
     return root
 
 
@@ -96,7 +96,7 @@ def report(measure, samples):
 
 def test_identity_comes_with_the_samples_own_account(report):
     assert report["model"] == "tetgan-LR"
-    assert (report["tets"], report["train_minutes"]) == (1536, 2.5)
+    assert (report["method"], report["tets"], report["train_minutes"]) == ("tetgan", 1536, 2.5)
     assert len(report["extractor"]["digest"]) == 12
     assert set(report["smoothings"]) == {"none", "wls"}
 
@@ -203,7 +203,7 @@ def test_real_shapes_measure_their_own_floor(originals, clouds, extractor, tmp_p
     out = tmp_path / "real.json"
     evaluate_real(shards, catalogue, clouds[0], extractor, options=OPTIONS, category="slab", out=out)
     report = json.loads(out.read_text())
-    assert (report["category"], report["model"]) == ("slab", "real")
+    assert (report["category"], report["model"], report["method"]) == ("slab", "real", "real")
     section = report["smoothings"]["none"]
     assert section["generated"] == {"expected": 6, "found": 6}
     assert section["metrics"]["chamfer"]["n"] == 2  # the validation meshes

@@ -8,6 +8,7 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.tables.ablation import COLUMNS, write_ablation
 
 MODELS = ["tetgan-LR", "tet-gcn", "no-local", "no-global", "real"]
+WITHOUT = {"no-local": ["local"], "no-global": ["global"]}
 CHANGES = {"tetgan-LR": "", "tet-gcn": "convolution shared (full: tet)"}
 
 
@@ -16,7 +17,11 @@ def make(report, write, read, paper, tmp_path):
     """Writes the table of some models on chairs and reads it."""
 
     def get(models, changes=CHANGES, **metrics):
-        reports = [report("chair", model, **metrics) for model in models]
+        reports = [
+            report("chair", model, method="real" if model == "real" else "tetgan", **metrics)
+            | {"grid": "LR", "without": WITHOUT.get(model, [])}
+            for model in models
+        ]
         write_ablation(write(reports), paper, "chair", tmp_path / "ablation.csv", changes)
         return read(tmp_path / "ablation.csv")
 

@@ -42,6 +42,13 @@ def test_each_category_has_its_own_cells_and_the_papers_figure(supplement, repor
     assert "4 [3, 5] (paper 2.67)" in text
 
 
+def test_the_method_and_grid_give_a_row_its_printed_figures(supplement, report):
+    mine = report("vase", "my-net", method="tetgan", fid=(8,)) | {"grid": "HR"}
+    other = report("vase", "tetgan-HR", method="pca", fid=(8,))
+    table, _ = supplement([mine, other])
+    assert dict(zip(table["model"], table["vase_paper"], strict=True)) == {"my-net": "2.57", "tetgan-HR": ""}
+
+
 def test_a_category_that_was_not_run_is_empty_but_for_the_papers_figure(supplement, report):
     table, text = supplement([report("chair", "tetgan-LR", fid=(4,)), report("chair", "real", fid=(1,))])
     assert cells(table, 0, "sofa") == ["", "", "", "", "3.35", "", ""]

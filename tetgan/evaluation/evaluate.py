@@ -126,7 +126,7 @@ def evaluate_real(
     section.add_novelty(draw_clouds(real.holdout, "holdout", options), training)
     section.note_resampled(repaired.resampled)
     section.count("generated", len(repaired.faces), len(repaired.faces))
-    identity = {"category": category, "model": "real"}
+    identity = {"category": category, "model": "real", "method": "real"}
     _write_report(identity, classifier, options, {"none": section}, out)
 
 

@@ -18,6 +18,7 @@ from tetgan.tables.rows import (
     estimates_of,
     group_reports,
     identity_cells,
+    is_real,
     metric_cells,
     printed_figures,
     read_reports,
@@ -62,7 +63,7 @@ def write_ablation(
         UserError: no model's metrics, or metrics of another category.
     """
     reports = read_reports(metrics, out, category)
-    if all(report["model"] == "real" for report in reports):
+    if all(is_real(report) for report in reports):
         raise UserError(f"{out}: no models to compare; name them in the config under 'ablation'")
     table = build_ablation(reports, read_paper(paper), category, changes)
     write_twins(table, _render(table, reports, category), out)
@@ -75,7 +76,7 @@ def build_ablation(
     order = list(dict.fromkeys(report["model"] for report in reports))
     rows = []
     for smoothing, members in sorted(group_reports(reports), key=lambda row: order.index(row[1][0]["model"])):
-        printed = printed_figures(paper, category, members, smoothing)
+        printed = printed_figures(paper, category, members, smoothing) if _in_paper(members[0], order) else {}
         row = identity_cells(members, smoothing)
         row["changes"] = changes.get(row["model"], "")
         for metric in COLUMNS:
@@ -84,6 +85,11 @@ def build_ablation(
     identity = ["model", "changes", *(name for name in IDENTITY if name != "model")]
     metrics = [f"{metric}{part}" for metric in COLUMNS for part in METRIC_PARTS]
     return with_whole_counts(pd.DataFrame(rows, columns=[*identity, *metrics]))
+
+
+def _in_paper(report: Mapping[str, Any], order: Sequence[str]) -> bool:
+    """Whether the paper has figures of the model: of TetGANs, the full one and those without a critic."""
+    return bool(report["model"] == order[0] or report.get("method") != "tetgan" or report.get("without"))
 
 
 def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], category: str) -> str:
@@ -100,5 +106,5 @@ def _render(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], category:
         solids,
         "## How each row was made",
         made,
-        notes=[_SOLID_NOTE, *table_notes(table, reports)],
+        notes=[_SOLID_NOTE, *table_notes(reports)],
     )

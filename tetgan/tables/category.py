@@ -96,7 +96,7 @@ def render_table(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], cate
         *_groups(table, names),
         "## How each row was made",
         markdown_table(names | {title: table[column].map(plain) for column, title in _MADE.items()}),
-        notes=table_notes(table, reports),
+        notes=table_notes(reports),
     )
 
 

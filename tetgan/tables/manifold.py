@@ -8,12 +8,13 @@ import pandas as pd
 
 from tetgan.evaluation.metrics import headings_of, names_of
 from tetgan.tables.markdown import markdown_table, metric_columns, page, plain, row_name, write_twins
-from tetgan.tables.paper import quoted_figure, read_paper
+from tetgan.tables.paper import OWN_METHODS, quoted_figure, read_paper
 from tetgan.tables.rows import (
     METRIC_PARTS,
     estimates_of,
     group_reports,
     identity_cells,
+    is_real,
     known_mean,
     metric_cells,
     read_reports,
@@ -84,8 +85,7 @@ def _row(members: Sequence[Mapping[str, Any]], smoothing: str, paper: pd.DataFra
         "shapes": shapes,
         "n": None if measured is None else round(measured),
     }
-    # The paper speaks of its own method only.
-    own = first["model"].startswith(("tetgan", "representation"))
+    own = first.get("method") in OWN_METHODS
     for metric, found in estimates.items():
         row |= metric_cells(
             metric, found, quoted_figure(paper, first["category"], shapes, metric) if own else None
@@ -95,9 +95,9 @@ def _row(members: Sequence[Mapping[str, Any]], smoothing: str, paper: pd.DataFra
 
 def _shapes(report: Mapping[str, Any], smoothing: str) -> str:
     """Which shapes of a model the edges belong to."""
-    if report["model"] == "real":
+    if is_real(report):
         return "repaired"
-    if report["model"].startswith("representation"):
+    if report.get("method") == "representation":
         return "ground truth"
     return "generated" if report["smoothings"][smoothing]["generated"]["found"] else "reconstructed"
 

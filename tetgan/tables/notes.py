@@ -3,19 +3,18 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import pandas as pd
-
 from tetgan.evaluation.jsd import CELLS
 from tetgan.evaluation.metrics import BY_NAME, names_of, titles_of
 from tetgan.tables.markdown import round_value
+from tetgan.tables.rows import is_real
 
 
-def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
+def table_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     """Conventions, extractor, floor, and remarks on some rows."""
     return [
         *_conventions(reports[0]["options"]),
         *extractor_notes(reports),
-        *_floor(table),
+        *_floor(reports),
         *_warnings(reports),
     ]
 
@@ -72,14 +71,15 @@ def extractor_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     return lines
 
 
-def _floor(table: pd.DataFrame) -> list[str]:
-    real = table[table["model"] == "real"]
-    if real.empty:
+def _floor(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    real = next((report for report in reports if is_real(report)), None)
+    if real is None:
         return []
+    [section] = real["smoothings"].values()
     figures = ", ".join(
         f"{BY_NAME[metric].title} {round_value(value)}"
         for metric in ("fid", "kid", "chamfer", "mmd")
-        if not pd.isna(value := real.iloc[0][metric])
+        if (value := section["metrics"].get(metric, {}).get("value")) is not None
     )
     return [
         f"Floor (row `real`): {figures or 'not measured'}. Features and sets compare real training surfaces "
@@ -94,7 +94,7 @@ def _warnings(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     for report in reports:
         for smoothing, section in report["smoothings"].items():
             made = f"{'solid, ' * (report.get('mode') == 'solid')}{smoothing}"
-            name = report["model"] if report["model"] == "real" else f"{report['model']} ({made})"
+            name = report["model"] if is_real(report) else f"{report['model']} ({made})"
             missing = section["generated"]["expected"] - section["generated"]["found"]
             lost = [f"Generated shapes without a surface, left out: {missing}"] if missing else []
             for note in [*section["notes"], *lost]:

@@ -18,7 +18,7 @@ from tetgan.evaluation.options import BootstrapOptions
 from tetgan.evaluation.seeds import named_rng
 from tetgan.solids.folder import KINDS, SampleFolder
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, row_name, write_twins
-from tetgan.tables.paper import quoted_figure, read_paper
+from tetgan.tables.paper import OWN_METHODS, quoted_figure, read_paper
 
 IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
 
@@ -108,10 +108,10 @@ class _Samples:
         return category, model, seed, mode
 
     @cached_property
-    def tets(self) -> int:
-        """Of the grid; 0 for models without one."""
-        about = self.folder / "about.json"
-        return int(json.loads(about.read_text()).get("tets") or 0) if about.is_file() else 0
+    def about(self) -> dict[str, Any]:
+        """Method, and number of tets of the grid; empty for samples of unknown origin."""
+        path = self.folder / "about.json"
+        return json.loads(path.read_text()) if path.is_file() else {}
 
     @cached_property
     def certificates(self) -> dict[str, pd.DataFrame]:
@@ -179,13 +179,15 @@ def _row(
     found = [_meshes(member, smoothing, kind) for member in members]
     meshes = pd.concat(found)
     solids = meshes[meshes["tets"] > 0]
-    shapes = _shapes(model, kind)
+    about = members[0].about
+    method = about.get("method")
+    shapes = _shapes(method, kind)
     known = {"training": "ground truth", "generated": "generated"}  # as the paper calls them
-    own = model.startswith(("tetgan", "representation")) and shapes in known
+    own = method in OWN_METHODS and shapes in known
     return {
         "category": category,
         "model": model,
-        "tets": members[0].tets or None,
+        "tets": about.get("tets"),
         "mode": mode,
         "smoothing": smoothing,
         "shapes": shapes,
@@ -205,9 +207,9 @@ def _meshes(member: _Samples, smoothing: str, kind: str) -> pd.DataFrame:
     return certificate[certificate["set"] == kind].set_index("id")
 
 
-def _shapes(model: str, kind: str) -> str:
+def _shapes(method: str | None, kind: str) -> str:
     """What the fields are: of a representation they are the ground truth of the two splits."""
-    if model.startswith("representation"):
+    if method == "representation":
         return {"generated": "training", "reconstructed": "validation"}[kind]
     return kind
 

@@ -32,7 +32,10 @@ METRIC_PARTS = ("", "_std", "_low", "_high", "_n", "_paper")
 
 _SMOOTHING_ORDER = {"none": 0, "wls": 1}
 
-_ROW_ORDER = ("tetgan", "", "representation", "pca", "real")  # "": every other model
+REAL = "real"
+"""Method of the row that measures real shapes against real shapes."""
+
+_METHODS = ("tetgan", None, "representation", "pca", REAL)  # order of rows; None: every other method
 
 
 def read_reports(paths: Sequence[Path], out: Path, category: str | None = None) -> list[dict[str, Any]]:
@@ -66,27 +69,32 @@ def group_reports(reports: Sequence[Mapping[str, Any]]) -> list[tuple[str, list[
     return [(smoothing, members) for (_, _, smoothing), members in sorted(groups.items(), key=_place)]
 
 
+def is_real(report: Mapping[str, Any]) -> bool:
+    """Whether real shapes were measured, rather than a model."""
+    return bool(report.get("method") == REAL)
+
+
 def _place(group: tuple[tuple[str, str, str], Sequence[Mapping[str, Any]]]) -> tuple[Any, ...]:
-    """Sort key: kind of row, then size of the grid, then name with numbers as numbers, mode, smoothing."""
+    """Sort key: method, then size of the grid, then name with numbers as numbers, mode, smoothing."""
     (model, mode, smoothing), members = group
-    kind = next((place for place, name in enumerate(_ROW_ORDER) if name and model.startswith(name)), 1)
+    method = members[0].get("method")
+    rank = _METHODS.index(method if method in _METHODS else None)
     natural = [(part.isdigit(), part.zfill(9)) for part in re.findall(r"\d+|\D+", model)]
-    return kind, members[0].get("tets") or 0, natural, mode, _SMOOTHING_ORDER.get(smoothing, 2)
+    return rank, members[0].get("tets") or 0, natural, mode, _SMOOTHING_ORDER.get(smoothing, 2)
 
 
 def printed_figures(
     paper: pd.DataFrame, category: str, members: Sequence[Mapping[str, Any]], smoothing: str
 ) -> dict[str, str]:
     """Metric to the paper's figure, for the row of these reports."""
-    first = members[0]
-    return published(paper, category, first["model"], first.get("grid", ""), smoothing)
+    return published(paper, category, members[0], smoothing)
 
 
 def identity_cells(members: Sequence[Mapping[str, Any]], smoothing: str) -> dict[str, Any]:
     """The columns of `IDENTITY` for the row of these reports."""
     first = members[0]
     sections = [member["smoothings"][smoothing] for member in members]
-    real = first["model"] == "real"
+    real = is_real(first)
     row = {name: first.get(name) for name in ("model", "grid", "tets", "mode", "reduced")}
     if not row["tets"]:
         row["mode"] = None  # a surface without tets is not meshed in any
