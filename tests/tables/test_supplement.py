@@ -3,7 +3,7 @@
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.supplement import CATEGORIES, IDENTITY, write_supplement
+from tetgan.tables.supplement import IDENTITY, write_supplement
 
 
 @pytest.fixture
@@ -13,6 +13,9 @@ def supplement(tmp_path, paper, write, read):
         return read(tmp_path / "table.csv")
 
     return make
+
+
+CATEGORIES = ("bench", "sofa", "table", "vase")  # the paper's
 
 
 def cells(table, row: int, category: str) -> list[str]:
@@ -47,6 +50,20 @@ def test_the_method_and_grid_give_a_row_its_printed_figures(supplement, report):
     other = report("vase", "tetgan-HR", method="pca", fid=(8,))
     table, _ = supplement([mine, other])
     assert dict(zip(table["model"], table["vase_paper"], strict=True)) == {"my-net": "2.57", "tetgan-HR": ""}
+
+
+def test_categories_without_a_figure_in_the_supplement_follow_the_papers(supplement, report):
+    reports = [
+        report("lamp", "tetgan-LR", fid=(5, 4, 6, None, 30), notes=["FID is biased"]),
+        report("chair", "tetgan-LR", fid=(3,)),
+    ]
+    table, text = supplement(reports)
+    assert [name for name in table if f"{name}_seeds" in table] == [*CATEGORIES, "lamp", "chair"]
+    assert cells(table, 0, "lamp") == ["5.0", "", "4.0", "6.0", "", "30", "1"]
+    assert cells(table, 0, "chair")[0] == "3.0"
+    assert cells(table, 0, "chair")[4] == "2.09"  # of Table 1
+    assert "- lamp: FID is biased. (all rows)" in text
+    assert "Not run: bench, sofa, table, vase." in text
 
 
 def test_a_category_that_was_not_run_is_empty_but_for_the_papers_figure(supplement, report):

@@ -15,7 +15,7 @@ def table_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
         *_conventions(reports[0]["options"]),
         *extractor_notes(reports),
         *_floor(reports),
-        *_warnings(reports),
+        *remarks(reports),
     ]
 
 
@@ -88,7 +88,7 @@ def _floor(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     ]
 
 
-def _warnings(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+def remarks(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     """Each distinct note once, with the rows it holds for."""
     rows: dict[str, list[str]] = {}
     for report in reports:
