@@ -1,6 +1,7 @@
 """The two stages, on boxes whose measures are known."""
 
 import json
+import shutil
 
 import numpy as np
 import pandas as pd
@@ -108,6 +109,45 @@ def test_missing_and_empty_meshes_are_counted(report):
     assert section["metrics"]["chamfer"]["n"] == 1
 
 
+def test_what_has_no_surface_is_counted_where_it_can_be(report):
+    """Of two reconstructions one is perfect and one is missing; of six samples one is empty."""
+    section = report["smoothings"]["none"]
+    metrics = section["metrics"]
+    assert metrics["volume_iou"] | {"low": None, "high": None} == {
+        "value": 0.5,
+        "low": None,
+        "high": None,
+        "n": 2,
+        "std": None,
+    }
+    assert 0 < metrics["fscore"]["value"] <= 0.5
+    assert metrics["fscore"]["n"] == 2
+    assert (metrics["empty_reconstructions"]["value"], metrics["empty_reconstructions"]["n"]) == (0.5, 2)
+    assert (metrics["empty_samples"]["value"], metrics["empty_samples"]["n"]) == (pytest.approx(1 / 6), 6)
+    for name in ("chamfer", "chamfer_l1", "normal_consistency", "faces"):
+        assert metrics[name]["n"] == 1
+    assert section["notes"][0] == (
+        "1 of 2 reconstructions have no surface: Chamfer, Chamfer L1, Normals, Faces are of the others, "
+        "F-score, Volume IoU count them as 0"
+    )
+    assert any(
+        note.startswith("1 of 6 generated shapes have no surface: FID, KID,") for note in section["notes"]
+    )
+
+
+def test_nothing_is_empty_where_all_have_a_surface(measure, samples, tmp_path):
+    kept = tmp_path / "samples"
+    shutil.copytree(samples / "wls", kept / "wls")
+    certificate = kept / "wls" / "certificate.csv"
+    table = pd.read_csv(certificate, dtype={"id": str})
+    table[~table["id"].isin(["b", "5"])].to_csv(certificate, index=False)
+    section = measure(kept)["smoothings"]["wls"]
+    metrics = section["metrics"]
+    assert (metrics["empty_reconstructions"]["value"], metrics["empty_samples"]["value"]) == (0, 0)
+    assert metrics["volume_iou"]["value"] == 1
+    assert not any("no surface" in note for note in section["notes"])
+
+
 def test_a_perfect_reconstruction_measures_the_noise_floor(report):
     metrics = report["smoothings"]["none"]["metrics"]
     # Area of the box over (pi n), both ways; borders are shared by faces, so nothing is added.
@@ -118,7 +158,6 @@ def test_a_perfect_reconstruction_measures_the_noise_floor(report):
     assert metrics["manifold_edges"]["value"] == metrics["manifold_shapes"]["value"] == 1
     assert metrics["boundary_edges"]["value"] == metrics["nonmanifold_edges"]["value"] == 0
     assert metrics["iou"]["value"] == 0.75
-    assert metrics["volume_iou"]["value"] == 1
     assert metrics["inverted_tets"]["value"] == 0.25
 
 
@@ -178,7 +217,9 @@ def test_too_few_samples_leave_metrics_empty(measure, samples):
         "jsd",
     ):
         assert section["metrics"][metric]["value"] is None
-    assert section["notes"] == [
+    missing, sampled = section["notes"][0], section["notes"][-1]
+    assert "reconstructions have no surface" in missing and "generated shapes have no surface" in sampled
+    assert section["notes"][1:-1] == [
         "variety needs 7 surfaces and has 5",
         "FID, KID, FID∞, Precision, Recall need 6 surfaces on each side and have 5, 6",
         "MMD, COV, 1-NNA, JSD need 6 surfaces on each side and have 5, 6",

@@ -55,7 +55,8 @@ METRICS = (
         "Chamfer",
         better="lower",
         group="reconstruction",
-        meaning="mean squared distance to the nearest point of the original, each way, summed",
+        meaning="mean squared distance to the nearest point of the original, each way, summed; of those "
+        "that have a surface",
         in_paper=True,
     ),
     Metric(
@@ -70,7 +71,8 @@ METRICS = (
         "F-score",
         better="higher",
         group="reconstruction",
-        meaning="harmonic mean of the shares of points within 0.01 (`fscore_threshold`) of the other surface",
+        meaning="harmonic mean of the shares of points within 0.01 (`fscore_threshold`) of the other "
+        "surface; 0 without a surface",
         share=True,
     ),
     Metric(
@@ -95,7 +97,15 @@ METRICS = (
         "Volume IoU",
         better="higher",
         group="reconstruction",
-        meaning="volume inside both surfaces over volume inside either",
+        meaning="volume inside both surfaces over volume inside either; 0 without a surface",
+        share=True,
+    ),
+    Metric(
+        "empty_reconstructions",
+        "Empty reconstructions",
+        better="lower",
+        group="reconstruction",
+        meaning="share of reconstructions without a surface",
         share=True,
     ),
     Metric(
@@ -264,6 +274,14 @@ METRICS = (
         "Novelty",
         group="samples",
         meaning="Chamfer distance to the nearest training shape, mean over generated ones",
+    ),
+    Metric(
+        "empty_samples",
+        "Empty samples",
+        better="lower",
+        group="samples",
+        meaning="share of generated shapes without a surface, which all other metrics leave out",
+        share=True,
     ),
 )
 """In the order in which tables and reports show them."""

@@ -91,12 +91,25 @@ class Section:
             known = np.asarray(values, dtype=np.float64)
             self.metrics[name] = mean_estimate(known[~np.isnan(known)], name, self.options)
 
-    def add_reconstructions(self, items: Sequence[Reconstruction]) -> None:
-        """Means of every measure of distance, and of the overlap."""
-        self.add_means(
-            {name: [getattr(item.distance, name) for item in items] for name in SurfaceDistance._fields}
-            | {"volume_iou": [item.volume_iou for item in items]}
-        )
+    def add_reconstructions(self, items: Sequence[Reconstruction], missing: int = 0) -> None:
+        """Means of every measure of distance, and of the overlap.
+
+        Args:
+            items: reconstructions that have a surface.
+            missing: how many have none. They are no item of distances, and 0 in overlap and F-score.
+        """
+        columns = {name: [getattr(item.distance, name) for item in items] for name in SurfaceDistance._fields}
+        columns["volume_iou"] = [item.volume_iou for item in items]
+        columns["empty_reconstructions"] = [0.0] * len(items)
+        for name, value in (("fscore", 0.0), ("volume_iou", 0.0), ("empty_reconstructions", 1.0)):
+            columns[name] += [value] * missing
+        self.add_means(columns)
+        if missing:
+            of_others = titles_of(("chamfer", "chamfer_l1", "normal_consistency", "faces"))
+            self.notes.append(
+                f"{missing} of {len(items) + missing} reconstructions have no surface: {of_others} are of "
+                f"the others, {titles_of(('fscore', 'volume_iou'))} count them as 0"
+            )
 
     def add_topology(self, items: Sequence[Topology]) -> None:
         """Mean shares of edges, and the share of shapes that are closed manifolds."""
@@ -167,6 +180,18 @@ class Section:
     def count(self, kind: str, expected: int, found: int) -> None:
         """How many meshes of a kind there should be, and how many have a surface."""
         self.counts[kind] = {"expected": expected, "found": found}
+
+    def count_samples(self, expected: int, found: int) -> None:
+        """The same of generated shapes, and the share without a surface."""
+        self.count("generated", expected, found)
+        missing = expected - found
+        self.add_means({"empty_samples": [0.0] * found + [1.0] * missing})
+        if missing:
+            of_others = [name for name in names_of("features", "sets", "samples") if name != "empty_samples"]
+            self.notes.append(
+                f"{missing} of {expected} generated shapes have no surface: {titles_of(of_others)} are of "
+                "the others"
+            )
 
     def to_json(self) -> dict[str, Any]:
         """Plain values."""

@@ -30,7 +30,7 @@ COLUMNS = (*CATEGORY_COLUMNS, *names_of("solids"))
 
 _FIGURES = ("fid", "kid", "chamfer", "iou", "variety")
 
-_SOLIDS = (*names_of("solids"), "inverted_tets", "manifold_edges", "faces")
+_SOLIDS = (*names_of("solids"), "inverted_tets", "manifold_edges", "faces", "empty_samples")
 
 _MADE = {"changes": "Differs from the full model in", "train_minutes": "Training, min", "n": "Surfaces"}
 

@@ -25,7 +25,8 @@ def _conventions(options: Mapping[str, Any]) -> list[str]:
         f"[…]: {100 * options['bootstrap']['level']:g} % intervals; ±: over seeds, or for one seed over "
         "repeats (variety) and blocks (KID). docs/metrics.md defines every metric.",
         f"Chamfer: mean squared nearest distance each way, summed, {options['points']:,} points a surface, "
-        f"unit cube, against the repaired mesh. F-score at {options['fscore_threshold']:g} of the cube.",
+        "unit cube, against the repaired mesh; mean over the reconstructions that have a surface. F-score at "
+        f"{options['fscore_threshold']:g} of the cube; it and volume IoU count a missing surface as 0.",
         f"Variety: mean Chamfer of the {variety['closest']} closest of {variety['pairs']} {drawn(variety)}, "
         f"{variety['repeats']} repeats.",
         f"{titles_of(names_of('features'))}: {options['samples']} surfaces on each side, against hold-out "
@@ -95,9 +96,7 @@ def remarks(reports: Sequence[Mapping[str, Any]]) -> list[str]:
         for smoothing, section in report["smoothings"].items():
             made = f"{'solid, ' * (report.get('mode') == 'solid')}{smoothing}"
             name = report["model"] if is_real(report) else f"{report['model']} ({made})"
-            missing = section["generated"]["expected"] - section["generated"]["found"]
-            lost = [f"Generated shapes without a surface, left out: {missing}"] if missing else []
-            for note in [*section["notes"], *lost]:
+            for note in section["notes"]:
                 rows.setdefault(note, []).append(name)
     total = sum(len(report["smoothings"]) for report in reports)
     return [
