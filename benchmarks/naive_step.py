@@ -1,4 +1,4 @@
-"""One iteration of training as it is written down at first: what our step is measured against.
+"""Plain form of a training iteration, the baseline of the benchmarks.
 
 Features are (B, T, C); a convolution pads, indexes, reshapes and multiplies once; normalisation and
 activation are PyTorch's InstanceNorm1d and LeakyReLU; critics see real fields, fakes and those in between one
@@ -15,6 +15,7 @@ from torch.nn import functional
 
 from tetgan.grids.hierarchy import GridHierarchy, upsampling_weights
 from tetgan.methods.tetgan.critics import GlobalCritic, LocalCritic
+from tetgan.methods.tetgan.learner import TetganLearner
 from tetgan.methods.tetgan.network import TetganGenerator
 from tetgan.nn.conv import TetConv
 from tetgan.nn.norm import SLOPE, TetInstanceNorm
@@ -133,9 +134,11 @@ class NaiveGlobalCritic(nn.Module):
 
 
 class NaiveLearner:
-    """The three kinds of step, with the signatures of `Learner` and the random numbers in the same order."""
+    """The three kinds of step, with the signatures and random numbers of `TetganLearner`."""
 
-    def __init__(self, ours: Learner, hierarchy: GridHierarchy, vertex_operator: sparse.csr_array) -> None:
+    def __init__(
+        self, ours: TetganLearner, hierarchy: GridHierarchy, vertex_operator: sparse.csr_array
+    ) -> None:
         self.options = ours.training
         self.generator = NaiveGenerator(ours.generator, hierarchy)
         self.critics = nn.ModuleDict(

@@ -1,4 +1,4 @@
-"""What simplifying repaired meshes first saves, and what error it adds to their fields.
+"""Time that simplifying repaired meshes saves, and the error it adds to their fields.
 
 python benchmarks/simplification.py --shapes 8
 python benchmarks/simplification.py --source '{"kind": "directory", "path": "my/chairs"}'
@@ -116,7 +116,7 @@ def added_error(field: Field, truth: Field, grid: TetGrid) -> dict[str, float]:
 
 
 def summarise(rows: pd.DataFrame) -> pd.DataFrame:
-    """Means over the shapes, a row a number of faces."""
+    """Means over the shapes, one row per number of faces."""
     return rows.groupby("to", sort=False).mean()
 
 

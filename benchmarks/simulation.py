@@ -1,4 +1,4 @@
-"""How long a body of many tets takes to be put under load.
+"""Time to simulate a large body.
 
 python benchmarks/simulation.py --cells 10 --depth 1 --order 2
 """

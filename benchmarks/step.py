@@ -1,4 +1,4 @@
-"""A whole iteration of training against the plain one of `naive_step`: same losses, time and memory.
+"""Time and memory of a training iteration beside the plain one of `naive_step`, at equal losses.
 
 python benchmarks/step.py --threads 2
 
@@ -26,6 +26,7 @@ from torch import Tensor
 
 from tetgan.fields.field import vertex_operator
 from tetgan.grids.hierarchy import GridHierarchy, build_hierarchy
+from tetgan.methods.tetgan.learner import TetganLearner
 from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
 from tetgan.nn.device import keep_freed_memory
 from tetgan.training.loop import step_draws
@@ -66,7 +67,7 @@ def build(names: tuple[str, ...] = SIDES) -> Case:
     """Learners by name, from the same seed."""
     hierarchy = build_hierarchy(CELLS, DEPTH)
     operator = vertex_operator(hierarchy.finest)
-    ours = Learner(MODEL, TRAINING, hierarchy, operator, seed=0, device=torch.device("cpu"))
+    ours = TetganLearner(MODEL, TRAINING, hierarchy, operator, seed=0, device=torch.device("cpu"))
     sides: dict[str, Side] = {}
     if "naive" in names:
         sides["naive"] = NaiveLearner(ours, hierarchy, operator)

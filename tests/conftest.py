@@ -1,4 +1,4 @@
-"""What tests of several rooms share."""
+"""Fixtures and options shared by all tests."""
 
 import numpy as np
 import pytest

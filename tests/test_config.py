@@ -153,7 +153,7 @@ def test_models_of_the_ablation_stand_in_its_table_alone_but_for_the_full_one():
     assert sorted(everything) == sorted(config.models)
     kinds = [config.models[name].kind for name in everything]
     bounds = [kind in ("representation", "pca") for kind in kinds]
-    assert any(bounds) and bounds == sorted(bounds)  # the bounds stand last
+    assert any(bounds) and bounds == sorted(bounds)  # the bounds come last
 
 
 def test_changes_tell_what_an_ablation_differs_in():

@@ -1,4 +1,4 @@
-"""Digests of the code behind a stage, by which a workflow knows that results are out of date.
+"""Digests of the code behind a stage; Snakemake reruns a stage when its digest changes.
 
 The code of a stage is a few modules and whatever they import, so that editing one kind of model leaves the
 results of the others alone.

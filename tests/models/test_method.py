@@ -1,4 +1,4 @@
-"""Records of kinds: what they refuse, and what those of this package name."""
+"""Records of methods: fields refused, and those of this package."""
 
 from typing import Literal
 
@@ -51,4 +51,4 @@ def test_everything_that_a_method_of_this_package_names_is_there(method):
 
 
 def test_names_differ():
-    assert len({kind.name for kind in KINDS}) == len(KINDS)
+    assert len({kind.name for kind in loaded_methods()}) == len(loaded_methods())

@@ -1,3 +1,5 @@
+"""Solids cut open by a plane."""
+
 import numpy as np
 import pytest
 import trimesh

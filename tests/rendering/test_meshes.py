@@ -1,4 +1,4 @@
-"""What figures read from files."""
+"""Shapes that figures read from files."""
 
 import meshio
 import numpy as np

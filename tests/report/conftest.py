@@ -1,4 +1,4 @@
-"""The made-up results, captions, and the page of them."""
+"""Made-up results, captions, and their page."""
 
 import numpy as np
 import pytest

@@ -1,3 +1,5 @@
+"""Built-in shapes of every category."""
+
 import itertools
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Parts that built-in shapes are made of."""
+
 import numpy as np
 import pytest
 import trimesh

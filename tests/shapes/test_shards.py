@@ -1,4 +1,4 @@
-"""From a folder to a catalogue and clouds: whatever one mesh does, the category goes on."""
+"""A folder of meshes becomes a catalogue and clouds; a bad mesh never stops a category."""
 
 import sys
 from pathlib import Path

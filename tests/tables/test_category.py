@@ -153,7 +153,7 @@ def test_missing_is_empty_never_zero(tmp_path):
     assert "— (paper 2.09)" in text
 
 
-def test_notes_name_the_extractor_the_floor_and_what_is_amiss(tmp_path):
+def test_notes_name_the_extractor_the_floor_and_remarks(tmp_path):
     reports = [report("tetgan-LR"), report("real", fid=(0.7,), kid=(0.001,))]
     _, text = make_table(tmp_path, reports)
     assert "Extractor abc: PointNet++ on chair, car; held-out accuracy 97.1 %" in text

@@ -1,4 +1,4 @@
-"""The manifold table: which shapes the edges belong to, and the two figures that the paper states."""
+"""The manifold table: its meshes, and the two figures that the paper states."""
 
 import pytest
 

@@ -40,7 +40,7 @@ def test_each_category_has_its_own_cells_and_the_papers_figure(supplement, repor
     assert list(table["model"]) == ["tetgan-HR", "tetgan-LR"]
     assert cells(table, 0, "bench") == ["4.0", "", "3.0", "5.0", "2.67", "64", "1"]
     assert cells(table, 0, "vase") == ["8.0", "", "7.0", "9.0", "2.57", "50", "1"]
-    # The paper's vases are of high resolution: nothing stands beside the LR row.
+    # The paper's vases are of high resolution: nothing is beside the LR row.
     assert cells(table, 1, "vase") == ["6.0", "", "5.0", "7.0", "", "50", "1"]
     assert "4 [3, 5] (paper 2.67)" in text
 
@@ -100,7 +100,7 @@ def test_reconstruction_is_the_chamfer_distance(supplement, report):
     assert cells(table, 0, "table")[4] == "0.0029"
 
 
-def test_notes_name_the_extractor_and_what_is_amiss_with_the_figure(supplement, report):
+def test_notes_name_the_extractor_and_remarks_on_the_figure(supplement, report):
     notes = ["FID at N = 4, below 768, is mostly bias", "variety needs 7 surfaces and has 5"]
     _, text = supplement([report("bench", "tetgan-HR", notes=notes)])
     assert "- bench: FID at N = 4, below 768, is mostly bias." in text

@@ -1,4 +1,4 @@
-"""The model of docs/extending.md: found, trained, resumed, sampled and measured like those that are here."""
+"""The model of docs/extending.md: found, trained, resumed, sampled and measured like the built-in ones."""
 
 import csv
 import importlib

@@ -1,4 +1,4 @@
-"""That runs of the baselines repeat, resume exactly, are saved and loaded, and survive a divergence."""
+"""Training of the baselines: runs repeat, resume exactly, are saved and loaded, and survive a divergence."""
 
 import csv
 import json
@@ -88,7 +88,7 @@ def test_training_from_an_index_repeats_every_byte(indexes, in_one_go, tmp_path,
 
 
 class Killed(BaseException):
-    """Stands for a kill: the trainer has no chance to tidy up after it."""
+    """A stand-in for a kill: the trainer has no chance to tidy up after it."""
 
 
 @pytest.mark.parametrize("kind", KINDS)

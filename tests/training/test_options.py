@@ -1,4 +1,4 @@
-"""Which options train which model."""
+"""Training options of each kind of model."""
 
 import pytest
 

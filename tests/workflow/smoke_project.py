@@ -13,7 +13,7 @@ TARGETS = ["results/smoke/tables/chair.csv", "results/smoke/figures/chair/sample
 class Project:
     """A folder with the workflow in it, in which Snakemake runs as a person would run it.
 
-    `told` is what the smoke run printed.
+    `told` is the output of the smoke run.
     """
 
     def __init__(self, folder: Path) -> None:

@@ -1,4 +1,4 @@
-"""The smoke run from end to end, and what reruns after a change."""
+"""The smoke run from end to end, and the jobs that rerun after a change."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""From raw meshes to what models learn from."""
+"""Commands from raw meshes to training data."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Metrics of samples, of real shapes, and of any two folders of meshes."""
+"""Commands for metrics of samples, of real shapes, and of any two folders of meshes."""
 
 from pathlib import Path
 from typing import Annotated
@@ -92,7 +92,7 @@ def floor(
 def evaluate(
     samples: Annotated[Path, typer.Argument(help="Folder of generated meshes, from any system.")],
     reference: Annotated[Path, typer.Argument(help="Folder of the real meshes they should be like.")],
-    out: Annotated[Path, typer.Option(help="Report (.json) to write; a .md twin stands beside it.")],
+    out: Annotated[Path, typer.Option(help="Report (.json) to write; with a .md twin.")],
     extractor: Annotated[
         Path | None, typer.Option(help="Folder of a trained classifier, for FID and its kin.")
     ] = None,

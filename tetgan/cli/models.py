@@ -1,4 +1,4 @@
-"""Training, and meshes out of trained models."""
+"""Commands for training, sampling and packing models."""
 
 from pathlib import Path
 from typing import Annotated
@@ -21,7 +21,7 @@ def train(
     seed: Seed = 0,
     threads: Threads = 2,
     of: Annotated[
-        Path | None, typer.Option(help="Folder of the trained TetGAN that a `deftet` stands on.")
+        Path | None, typer.Option(help="Folder of the trained TetGAN that a `deftet` is built on.")
     ] = None,
     processes: Annotated[
         int, typer.Option(min=0, help="Processes, each with a GPU, that share a TetGAN's batches; 0 means 1.")

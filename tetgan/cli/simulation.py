@@ -1,4 +1,4 @@
-"""What a solid does under loads."""
+"""Commands for elasticity of solids under load."""
 
 from pathlib import Path
 from typing import Annotated
@@ -34,7 +34,7 @@ def simulate(
         ),
     ] = None,
     gravity: Annotated[bool, typer.Option(help="Add the body's own weight.")] = False,
-    size: Annotated[float, typer.Option(help="Metres that one unit of the mesh stands for.")] = 1.0,
+    size: Annotated[float, typer.Option(help="Metres per unit of the mesh.")] = 1.0,
     order: Annotated[int, typer.Option(help="Degree of the elements; degree 1 is too stiff in bending.")] = 2,
     refine: Annotated[int, typer.Option(help="Times that each tet is cut into eight first.")] = 0,
     reach: Annotated[float, typer.Option(help="Depth of a side, over the mesh's longest extent.")] = 0.05,
@@ -43,7 +43,7 @@ def simulate(
         Path | None, typer.Option(help="Mesh (.vtu, .vtk) to write, with displacement and stress.")
     ] = None,
     figure: Annotated[
-        Path | None, typer.Option(help="Picture (.png) to write; its data (.csv) stand beside it.")
+        Path | None, typer.Option(help="Picture (.png) to write; with its data (.csv) beside it.")
     ] = None,
 ) -> None:
     """Bend a solid: displacement and von Mises stress under loads, by linear elasticity.
@@ -95,7 +95,7 @@ def simulate(
 @app.command("simulation-study", rich_help_panel=PANEL)
 def simulation_study(
     samples: Annotated[Path, typer.Argument(help="Folder written by `tetgan sample`.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write, a row a sample.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write, one row per sample.")],
     options: OptionsText = "{}",
     identity: OptionsText = "{}",
 ) -> None:
@@ -114,9 +114,9 @@ def simulation_study(
 @app.command("simulation-table", rich_help_panel=PANEL)
 def simulation_table(
     studies: Annotated[list[Path], typer.Argument(help="Tables written by `tetgan simulation-study`.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")],
 ) -> None:
-    """Set the simulation studies side by side, a row a model and mode.
+    """Set the simulation studies side by side, one row per model and mode.
 
     Example: `tetgan simulation-table studies/*.csv simulation.csv`
     """

@@ -1,4 +1,4 @@
-"""Studies of the latent space, of resolution and of smoothing."""
+"""Commands for the studies of the latent space, of resolution and of smoothing."""
 
 from pathlib import Path
 from typing import Annotated
@@ -102,8 +102,8 @@ def nearest(
 
 @app.command(rich_help_panel=PANEL)
 def resolution(
-    table: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
-    figure: Annotated[Path, typer.Argument(help="Figure (.png) to write; its data stand beside it.")],
+    table: Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")],
+    figure: Annotated[Path, typer.Argument(help="Figure (.png) to write; with its data beside it.")],
     options: OptionsText = "{}",
     threads: Threads = 1,
 ) -> None:
@@ -161,7 +161,7 @@ def smoothing(
 @app.command("smoothing-table", rich_help_panel=PANEL)
 def smoothing_table(
     studies: Annotated[list[Path], typer.Argument(help="Folders written by `tetgan smoothing`.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")],
 ) -> None:
     """Set the smoothing studies side by side, and weigh the paper's claims.
 

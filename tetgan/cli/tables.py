@@ -1,4 +1,4 @@
-"""Metrics gathered into tables, and everything on one page."""
+"""Commands that gather metrics into tables and write the report page."""
 
 from pathlib import Path
 from typing import Annotated

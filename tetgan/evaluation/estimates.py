@@ -1,4 +1,4 @@
-"""A figure, its interval, and on how much it rests."""
+"""Estimates: a value, its interval, and the number of shapes behind it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass

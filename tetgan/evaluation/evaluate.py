@@ -131,7 +131,7 @@ def evaluate_real(
 
 
 class _Yardstick(NamedTuple):
-    """What every smoothing of a model is measured with."""
+    """Reference sets and options shared by all smoothings of a model."""
 
     options: EvaluationOptions
     classifier: Classifier
@@ -151,7 +151,7 @@ class _Reconstructions:
 
 @dataclass
 class _Repaired:
-    """What the repaired meshes of a category say; `resampled` is the floor with the points of sets."""
+    """Measures of a category's repaired meshes; `resampled` is the floor with the points of sets."""
 
     floor: list[Reconstruction] = field(default_factory=list)
     resampled: list[float] = field(default_factory=list)

@@ -83,7 +83,7 @@ def measure_folders(
 
 @dataclass
 class _Shapes:
-    """What one pass over a folder leaves of its meshes, which come in random order."""
+    """Clouds and measures from one pass over a folder's meshes, in random order."""
 
     files: int
     clouds: list[Float[np.ndarray, "P 3"]] = field(default_factory=list)

@@ -1,4 +1,4 @@
-"""One reconstruction beside its original."""
+"""Metrics of one reconstruction against its original."""
 
 from math import nan
 from typing import NamedTuple
@@ -40,7 +40,7 @@ def contains(surface: TriangleMesh, queries: Float[np.ndarray, "P 3"]) -> Bool[n
 
 
 class Reconstruction(NamedTuple):
-    """How far a surface is from the truth, how much their insides overlap, and what it is made of."""
+    """Distance of a surface from the truth, volume IoU, faces and topology."""
 
     distance: SurfaceDistance
     volume_iou: float

@@ -1,4 +1,4 @@
-"""Metrics of one set of surfaces, and notes on reading them."""
+"""Metrics of one set of surfaces, with the warnings that belong to them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -178,7 +178,7 @@ class Section:
             )
 
     def count(self, kind: str, expected: int, found: int) -> None:
-        """How many meshes of a kind there should be, and how many have a surface."""
+        """Note how many meshes of a kind there should be, and how many have a surface."""
         self.counts[kind] = {"expected": expected, "found": found}
 
     def count_samples(self, expected: int, found: int) -> None:

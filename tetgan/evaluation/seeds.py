@@ -1,4 +1,4 @@
-"""Random choices that depend on what they are for, not on the order in which they are made."""
+"""Random choices seeded by their purpose, independent of the order of calls."""
 
 import hashlib
 from collections.abc import Collection

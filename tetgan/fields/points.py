@@ -33,7 +33,7 @@ def draw_points(
 def is_inside(
     points: Float[np.ndarray, "N 3"], vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
 ) -> Bool[np.ndarray, "N"]:
-    """Where the winding number (Barill et al. 2018) is above ½.
+    """Whether the winding number (Barill et al. 2018) of each point is above ½.
 
     Raises:
         ValueError: the mesh has no faces.

@@ -1,4 +1,4 @@
-"""Whether a surface of triangles is a closed manifold, and into which shells it falls."""
+"""Edges, vertex fans and shells of a triangle surface, and whether it is a closed manifold."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,7 +17,7 @@ _OPPOSITE = np.array([2, 1, 0])
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Faces that turn counter-clockwise seen from outside, and what is wrong with them.
+    """Faces that turn counter-clockwise seen from outside, with counts of their defects.
 
     A fan is a closed ring of faces around a vertex, each joined to the next by an edge of two faces.
     """

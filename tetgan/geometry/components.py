@@ -1,4 +1,4 @@
-"""How the tets of any mesh hang together: across faces, and where they stop."""
+"""Face-connected components of the tets of any mesh, and its boundary faces."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from tetgan.geometry.adjacency import FACES, face_keys
 
 @dataclass(frozen=True, eq=False)
 class Connectivity:
-    """Tets joined by faces, whatever is wrong with them.
+    """Tets joined by faces, of any mesh, broken ones included.
 
     Attributes:
         faces: (F, 3) faces of one tet only, facing away from it when the tet is positive.

@@ -1,4 +1,4 @@
-"""Which points have a free line to the outside, by Embree."""
+"""Visibility of points from the outside, by rays (Embree)."""
 
 from functools import lru_cache
 

@@ -1,4 +1,4 @@
-"""The tetrahedral grid and what follows from it."""
+"""Tetrahedral grid with its neighbours, edges, centroids and digest."""
 
 import hashlib
 from dataclasses import dataclass

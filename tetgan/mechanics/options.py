@@ -1,4 +1,4 @@
-"""What a body is made of, and how it is held and loaded."""
+"""Options of a simulation: material, supports and loads."""
 
 from typing import Literal
 
@@ -57,7 +57,7 @@ class LoadCase(Options):
         description="region=force: the total, spread evenly over the region's faces; downward, or 'x,y,z' N",
     )
     gravity: bool = Field(False, description="also the body's own weight")
-    size: float = Field(1.0, gt=0, description="metres that one unit of the mesh stands for")
+    size: float = Field(1.0, gt=0, description="metres per unit of the mesh")
     order: Literal[1, 2] = Field(2, description="degree of the elements; those of degree 1 lock in bending")
     refine: int = Field(0, ge=0, le=3, description="times that each tet is cut into eight first")
     reach: float = Field(

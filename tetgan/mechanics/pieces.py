@@ -1,4 +1,4 @@
-"""The pieces that a tet mesh falls into, and whether each is held."""
+"""Face-connected pieces of a tet mesh, and whether each is held by a support."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int

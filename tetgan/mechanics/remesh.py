@@ -1,4 +1,4 @@
-"""The inside of a solid meshed anew, from its surface alone."""
+"""Tet mesh of a solid made anew from its surface (fTetWild)."""
 
 from importlib.util import find_spec
 from typing import ClassVar

@@ -34,7 +34,7 @@ from tetgan.solids.reading import read_solid
 
 
 def cut_tets(solid: Solid, times: int) -> Solid:
-    """Each tet cut into eight, so many times; the old vertices come first."""
+    """Each tet cut into eight, `times` times; the old vertices come first."""
     if times == 0:
         return solid
     mesh = skfem.MeshTet(np.ascontiguousarray(solid.vertices.T), np.ascontiguousarray(solid.tets.T)).refined(
@@ -53,7 +53,7 @@ BODIES = (".vtu", ".vtk")
 
 
 class Push(NamedTuple):
-    """Where a load acts, and its force in newtons."""
+    """Faces on which a load acts, and its force in newtons."""
 
     places: Float[np.ndarray, "P 3"]
     force: tuple[float, float, float]
@@ -66,7 +66,7 @@ class Simulation:
     Attributes:
         vertices: (V, 3) of the body without loads, in the units of its mesh.
         tets: (T, 4), those of the mesh or the finer ones that `refine` asks for.
-        size: metres that one of these units stands for.
+        size: metres per unit of these.
         displacement: (V, 3) of the vertices, in metres.
         stress: (T,) von Mises stress in each tet, in Pa: of the mean stress in it.
         load: (3,) sum of all forces on the body, its weight included, in newtons.
@@ -97,7 +97,7 @@ class Simulation:
         """Figures of the simulation, by name; lengths in metres, stresses in Pa.
 
         The highest stress grows without bound as tets get finer where the surface has a sharp inner edge, so
-        the 99th percentile over the tets stands beside it.
+        the 99th percentile over the tets is beside it.
         """
         return {
             "tets": len(self.tets),

@@ -1,4 +1,4 @@
-"""Many samples under one load: which can be simulated, how they bend, and whether the mesh matters."""
+"""Study of samples under one load: share simulated, displacements, and those of remeshed bodies."""
 
 import logging
 import time

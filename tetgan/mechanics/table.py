@@ -1,4 +1,4 @@
-"""The simulation study as people read it: a row a model and mode, over all its seeds."""
+"""Table of the simulation study: one row per model and mode, over all its seeds."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -44,7 +44,7 @@ def write_simulation_table(studies: Sequence[Path], out: Path) -> None:
 
 
 def over_seeds(studies: Sequence[pd.DataFrame]) -> dict[str, Any]:
-    """What `summarise` says of the samples of all seeds together, and its deviation from seed to seed."""
+    """Figures of `summarise` over the samples of all seeds, and their deviation from seed to seed."""
     of_each = pd.DataFrame([summarise(rows) for rows in studies])
     spread = of_each[_SPREAD].astype(float).std(ddof=1)
     return {

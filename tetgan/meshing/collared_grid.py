@@ -1,4 +1,4 @@
-"""The space a solid lives in: its grid, and a collar of tets around the grid that nothing ever occupies."""
+"""Grid of the cube with a collar of tets around it that is never occupied."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -29,7 +29,7 @@ _PRISM = np.array([[0, 1, 2, 5], [0, 1, 5, 4], [0, 3, 4, 5]])
 class CollaredGrid:
     """A grid and its collar: a triangulated ball, of which a solid occupies tets of the grid.
 
-    Stars every vertex of the grid the tets close up to a ball, at the wall too, so topology needs no special
+    Around every vertex of the grid the tets close up to a ball, at the wall too, so topology needs no special
     case there, and vertices at the wall may move as the others do: only the outside of the collar is fixed.
 
     Attributes:

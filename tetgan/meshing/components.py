@@ -1,4 +1,4 @@
-"""Pieces that float apart from the rest, and voids inside."""
+"""Floating pieces and cavities of an occupancy."""
 
 from typing import Literal, NamedTuple
 

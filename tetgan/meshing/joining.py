@@ -1,4 +1,4 @@
-"""Which pieces of a solid hang together, and where they are to be joined."""
+"""Components of a solid, and the seams of least volume that join them."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int

@@ -30,17 +30,17 @@ class Pieces(NamedTuple):
     piece_occupied: Bool[np.ndarray, "P"]
 
     def counts(self, places: int) -> Int[np.ndarray, "places 2"]:
-        """How many empty and how many occupied pieces lie around each simplex."""
+        """Number of empty and of occupied pieces around each simplex."""
         both = np.bincount(2 * self.piece_place + self.piece_occupied, minlength=2 * places)
         return both.reshape(places, 2)
 
     def defects(self, places: int) -> Int[np.ndarray, "places"]:
-        """How many pieces lie around each simplex beyond one of each kind."""
+        """Number of pieces around each simplex beyond one of each kind."""
         return (self.counts(places) - 1).clip(min=0).sum(axis=1)
 
 
 class Stars:
-    """Who stands around each simplex (vertex or edge), and who stands beside whom there.
+    """Tets around each simplex (vertex or edge), and which of them share a face there.
 
     A corner is one simplex of one tet; corner c of tet t has the number C·t + c.
     """
@@ -75,7 +75,7 @@ class Stars:
         occupied: Bool[np.ndarray, "M"] | None,
         occupancy: Bool[np.ndarray, "T"],
     ) -> Pieces:
-        """Stars each simplex, its tets sorted into pieces.
+        """Around each simplex, its tets sorted into pieces.
 
         Args:
             simplices: not those of the outside of the collar; may repeat.

@@ -1,4 +1,4 @@
-"""Models by their options, and the folder that holds a trained one."""
+"""Build models from their options; read and write the folder of a trained one."""
 
 import json
 from pathlib import Path
@@ -29,7 +29,7 @@ def build_generator(
     """An untrained model of fields; its weights are drawn from PyTorch's global generator.
 
     Args:
-        of: the model that this one stands on, as a DefTet does, whose boundary it moves.
+        of: the model that this one is built on, as a DefTet on a TetGAN.
     """
     under = [] if of is None else [build_generator(of, hierarchy)]
     model = method_of(options).load("build")(options, hierarchy, *under)
@@ -51,9 +51,9 @@ def save_generator(
     hierarchy: GridHierarchy | None = None,
     **further: Any,
 ) -> None:
-    """Write `options.json` (the model's, digest of its grid, device, what else is told) and the weights.
+    """Write `options.json` (the model's, digest of its grid, device, what else is passed) and the weights.
 
-    A model that stands on another tells that one's options as `of`; the weights hold both.
+    A model built on another writes that one's options as `of`; the weights hold both.
     """
     grid = {"grid_digest": hierarchy.digest} if hierarchy else {}
     state = generator.state_dict()

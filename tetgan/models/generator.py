@@ -18,7 +18,7 @@ class LatentModel(nn.Module, ABC):
         """Shape of one latent."""
 
     def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
-        """Draws of the prior, N(0, I) if nothing else is said; the same numbers whatever the device."""
+        """Draws of the prior, by default N(0, I); the same numbers on every device."""
         return torch.randn(count, *self.latent_shape, generator=generator)
 
 
@@ -34,14 +34,14 @@ class FieldGenerator(LatentModel):
 
     @abstractmethod
     def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
-        """The latent that stands for each field: the mean, where the model gives a distribution."""
+        """The latent of each field: the mean, where the model gives a distribution."""
 
     @abstractmethod
     def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "B T 4"]:
         """Occupancy logit and displacement of each latent."""
 
     def meshed(self, field: Field) -> Field | VertexField:
-        """What becomes a mesh where `field`, in cube sides, was decoded: itself, if nothing else is said."""
+        """Field to be meshed for a decoded `field`, in cube sides; by default itself."""
         return field
 
 
@@ -57,7 +57,7 @@ class SurfaceModel(LatentModel):
     """Whether shapes can be reconstructed; a GAN only generates."""
 
     def encode(self, data: Float[Tensor, "B ..."]) -> Float[Tensor, "B ..."]:
-        """The latent that stands for each shape: the mean, where the model gives a distribution.
+        """The latent of each shape: the mean, where the model gives a distribution.
 
         Raises:
             NotImplementedError: the model has no encoder.

@@ -1,4 +1,4 @@
-"""Models of a config that take over the settings of another, and say only what differs."""
+"""Models of a config that inherit the settings of another (`like`)."""
 
 from typing import Any
 

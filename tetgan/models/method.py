@@ -1,4 +1,4 @@
-"""The record by which the pipeline knows a generative method."""
+"""Record of a generative method: options, network, learner, training."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from tetgan.options import Options
 
 
 class MethodOptions(Options):
-    """What the options of every model have; each class allows one word for `kind`."""
+    """Base of the options of every model; each class allows one word for `kind`."""
 
     kind: str
 
@@ -74,7 +74,7 @@ class Method:
 
     @property
     def name(self) -> str:
-        """What a config calls it."""
+        """The word for it in a config."""
         return str(get_args(self.options.model_fields["kind"].annotation)[0])
 
     @property

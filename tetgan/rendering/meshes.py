@@ -1,4 +1,4 @@
-"""Shapes from files, whole or cut open, ready to draw."""
+"""Shapes read from files, whole or cut open, for drawing."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -67,7 +67,7 @@ def _used_once(faces: Int[np.ndarray, "F 3"]) -> Bool[np.ndarray, "F"]:
 
 
 CUT: tuple[float, float, float] = (1.0, 0.0, 0.35)
-"""Normal of the plane by which figures cut: from the right, where its camera stands at `CUT_AZIMUTH`."""
+"""Normal of the plane by which figures cut: from the right, where its camera is at `CUT_AZIMUTH`."""
 
 CUT_AZIMUTH = 60
 
@@ -109,7 +109,7 @@ def cut_open(solid: Solid | None, normal: Sequence[float | int], share: float = 
 
     Args:
         normal: of the plane, towards the side that goes.
-        share: how far along the normal the plane stands, from one end of the solid (0) to the other (1).
+        share: position of the plane along the normal, from one end of the solid (0) to the other (1).
     """
     if solid is None:
         return None

@@ -1,4 +1,4 @@
-"""Generated solids, packed into a page: whole tet meshes, each tet with its quality."""
+"""Generated solids packed into the page: whole tet meshes with the quality of each tet."""
 
 import base64
 import logging
@@ -45,7 +45,7 @@ class SampleSet:
 
     @property
     def validity(self) -> str:
-        """How many of all solids that it generated are valid, by their certificate; empty without one."""
+        """Number of valid ones among all solids it generated, by their certificate; empty without one."""
         try:
             certificate = pd.read_csv(self.paths[0].parent.parent / "certificate.csv", dtype={"set": str})
             made = certificate[(certificate["set"] == "generated") & (certificate["tets"] > 0)]

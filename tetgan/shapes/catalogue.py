@@ -1,4 +1,4 @@
-"""The register of a category: one row a listed shape, whatever became of it."""
+"""Catalogue of a category: one row per listed shape with its split, status and reason."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ def gather_catalogue(shards: Sequence[Path], split: SplitOptions, out: Path) -> 
     repeated = table["id"][table["id"].duplicated()]
     if len(repeated):
         raise UserError(
-            f"{out}: shape '{repeated.iloc[0]}' stands in two shards; were they made with one config?"
+            f"{out}: shape '{repeated.iloc[0]}' is in two shards; were they made with one config?"
         )
     if not table["status"].isin(["ok", "filled"]).any():
         reasons = Counter(table["reason"][table["status"] == "rejected"]).most_common(1)

@@ -1,4 +1,4 @@
-"""Cleaning of raw triangle meshes before anything else touches them."""
+"""Cleaning of raw triangle meshes before repair."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -10,7 +10,7 @@ THINNEST = 1e-4
 
 
 class ShapeError(Exception):
-    """A shape that cannot be used; the message is the reason that stands in the catalogue."""
+    """A shape that cannot be used; the message is the reason in the catalogue."""
 
 
 def clean_mesh(soup: TriangleMesh) -> TriangleMesh:

@@ -1,4 +1,4 @@
-"""Insides that a repair left hollow, because an open sheet became a thin shell around nothing.
+"""Find and fill rooms that a repair left hollow, where an open sheet became a thin shell.
 
 A vase with a thick wall is open, and stays so; a sofa whose underside was never modelled, a car of single
 sheets with a gap in its floor, are hollow. Two shares of the directions around a point tell them apart: those
@@ -58,7 +58,7 @@ def find_hollow(solid: TriangleMesh, sheet_thickness: float) -> TriangleMesh | N
 def hollow_voxels(
     solid: TriangleMesh, sheet_thickness: float
 ) -> tuple[Bool[np.ndarray, "X Y Z"], Float[np.ndarray, "3"], float]:
-    """Which voxels are hollow, the centre of the first one, and their size."""
+    """Mask of hollow voxels, the centre of the first one, and their size."""
     import igl  # noqa: PLC0415
 
     points, shape, step = _voxels(solid)
@@ -113,7 +113,7 @@ def _label_rooms(
     shape: tuple[int, int, int],
     step: float,
 ) -> Int[np.ndarray, "M"]:
-    """Number of the room each member voxel is in: neighbours share one unless a wall stands between them.
+    """Number of the room each member voxel is in: neighbours share one unless a wall is between them.
 
     Labelling the voxels alone would join rooms through their walls, for a sheet is thinner than a voxel.
     """

@@ -1,4 +1,4 @@
-"""Options of the shapes room: where meshes come from, how they are repaired and split."""
+"""Options of sources, repair and split."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +18,7 @@ class BuiltinSource(Options):
 
 
 class FolderSource(Options):
-    """What every source made of files has in common."""
+    """Base of every source made of files."""
 
     path: Path = Field(description="root folder")
     limit: int | None = Field(
@@ -73,7 +73,7 @@ SourceOptions = Annotated[
 
 
 class RepairOptions(Options):
-    """How a triangle soup becomes a watertight solid; docs/repair.md has the figures behind the defaults."""
+    """Options of repair, from triangle soup to watertight solid; docs/repair.md gives the reasons."""
 
     method: Literal["manifold", "alpha_wrap"] = Field(
         "alpha_wrap",

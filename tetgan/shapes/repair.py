@@ -1,4 +1,4 @@
-"""A triangle soup to a watertight solid: clean, wrap, fill what came out hollow, check."""
+"""Repair of a triangle soup to a watertight solid: clean, wrap, fill hollow rooms, check."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ class Repaired:
     """A watertight solid, in the frame in which the raw shape just fits the unit cube.
 
     Attributes:
-        solid: closed, oriented outward; it stands out of the unit cube by the offset of the repair.
+        solid: closed, oriented outward; it may leave the unit cube by the offset of the repair.
         volume: of the solid.
         filled_share: how much of that volume was hollow before; 0 for nearly every shape.
         hollow: an inside is still hollow.

@@ -1,4 +1,4 @@
-"""One door to every source of shapes: what it lists, and the triangles of one entry."""
+"""List the shapes of any source, and load one."""
 
 import hashlib
 from collections.abc import Callable, Iterable

@@ -1,4 +1,4 @@
-"""A folder of meshes that a model made: what should be there, what is, and how it was certified."""
+"""Folder of meshes sampled from a model, with its certificate."""
 
 from dataclasses import dataclass
 from functools import cached_property

@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 @dataclass(frozen=True)
 class SolidChanges:
-    """What was done to the occupancy that Eq. 5 left, to make a valid solid of it; nothing in mode `paper`.
+    """Changes of the occupancy that Eq. 5 left, made for a valid solid; none in mode `paper`.
 
     Attributes:
         tets_added: tets filled for the sake of a manifold boundary.

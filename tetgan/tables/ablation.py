@@ -1,4 +1,4 @@
-"""Stage: models that lack a part of TetGAN, or have another, beside the full one."""
+"""Stage: ablations of TetGAN beside the full model."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -36,7 +36,7 @@ _MADE = {"changes": "Differs from the full model in", "train_minutes": "Training
 
 _ABOUT = (
     "The full model first, then models that differ from it in what the last table says. The paper's figures "
-    "stand in parentheses: those of its Table 1 beside the full model, and the two that it published of its "
+    "are in parentheses: those of its Table 1 beside the full model, and the two that it published of its "
     "ablations, FID without each critic, of which it names neither category nor smoothing. They were "
     "measured on other shapes and with another extractor: no claim of equal conditions."
 )
@@ -72,7 +72,7 @@ def write_ablation(
 def build_ablation(
     reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame, category: str, changes: Mapping[str, str]
 ) -> pd.DataFrame:
-    """A row a model and smoothing, in the order in which models first come."""
+    """One row per model and smoothing, in the order in which models first come."""
     order = list(dict.fromkeys(report["model"] for report in reports))
     rows = []
     for smoothing, members in sorted(group_reports(reports), key=lambda row: order.index(row[1][0]["model"])):

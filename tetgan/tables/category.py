@@ -38,7 +38,7 @@ _MADE = {
 }
 
 _ABOUT_PAPER = (
-    "The paper's figures stand in parentheses as printed. They were measured on other shapes (ShapeNet, "
+    "The paper's figures are in parentheses as printed. They were measured on other shapes (ShapeNet, "
     "COSEG), at the paper's sizes and with another extractor: they are no claim of equal conditions. Its "
     "text also gives 98.9 % manifold edges for its ground-truth chairs and 98.5 % for generated ones."
 )
@@ -47,7 +47,7 @@ _ABOUT_PAPER = (
 def write_table(metrics: Sequence[Path], paper: Path, category: str, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
-    One row a model, mode and smoothing; several seeds of a model become one row. Missing is empty, never 0.
+    One row per model, mode and smoothing; several seeds of a model become one row. Missing is empty, never 0.
 
     Args:
         metrics: JSONs of `evaluate_model` and `evaluate_real`.

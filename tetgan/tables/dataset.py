@@ -1,4 +1,4 @@
-"""Stage: how many shapes each category has, and what became of them."""
+"""Stage: number of shapes per category: listed, repaired, rejected, split."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -72,7 +72,7 @@ def count_shapes(catalogue: pd.DataFrame) -> dict[str, Any]:
 
 
 def build_dataset(counts: Mapping[str, Mapping[str, Any]], paper: pd.DataFrame) -> pd.DataFrame:
-    """One row a category: the paper's in its order, then further ones."""
+    """One row per category: the paper's in its order, then further ones."""
     rows = [
         {"category": category}
         | {name: counts.get(category, {}).get(name) for name in (*COUNTS, "reasons")}

@@ -1,4 +1,4 @@
-"""Stage: which share of edges is manifold, in ground truth and in what models generate."""
+"""Stage: share of manifold edges in ground truth and in generated meshes."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -65,7 +65,7 @@ def write_manifold(metrics: Sequence[Path], paper: Path, out: Path) -> None:
 
 
 def build_manifold(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame) -> pd.DataFrame:
-    """One row a category, model, mode and smoothing: `IDENTITY`, then the columns of each metric."""
+    """One row per category, model, mode and smoothing: `IDENTITY`, then the columns of each metric."""
     rows = [
         _row(members, smoothing, paper)
         for category in dict.fromkeys(report["category"] for report in reports)

@@ -41,7 +41,7 @@ def drawn(variety: Mapping[str, Any]) -> str:
 
 
 def set_conventions(options: Mapping[str, Any]) -> list[str]:
-    """How sets of shapes were compared, from the options of a report."""
+    """Conventions of the comparison of sets, from the options of a report."""
     sets = options["sets"]
     of_distances = [name for name in names_of("sets") if name != "jsd"]
     return [
@@ -85,7 +85,7 @@ def _floor(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     return [
         f"Floor (row `real`): {figures or 'not measured'}. Features and sets compare real training surfaces "
         "with real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice; novelty is that of "
-        "hold-out surfaces. Below it no model can be told from a perfect one."
+        "hold-out surfaces. Below it no model can be distinguished from a perfect one."
     ]
 
 

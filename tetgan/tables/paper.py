@@ -1,4 +1,4 @@
-"""The paper's published figures, and which of them belongs beside which row."""
+"""The paper's published figures, matched to the rows of our tables."""
 
 from collections.abc import Mapping
 from pathlib import Path

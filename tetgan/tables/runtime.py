@@ -75,14 +75,14 @@ _NOTES = [
     "preprocess is repair_shapes and extract_fields together. A sampled or evaluated shape is a generated or "
     "a reconstructed one, each with and without smoothing.",
     "Memory is the resident set at its largest in any job of the row; memory of a GPU is not in it.",
-    "Figures and studies stand here where they had run before this table was made.",
+    "Figures and studies have rows where they had run before this table was made.",
     "—: no benchmark file, because the stage ran before it had one or elsewhere.",
     "The paper's figures are as printed: its shapes, sizes and machines.",
 ]
 
 
 class Job(NamedTuple):
-    """What a metrics file tells of the jobs behind it; None where a stage has no such thing."""
+    """Facts in a metrics file about the jobs behind it; None where a stage has no such thing."""
 
     category: str
     grid: str | None = None
@@ -175,7 +175,7 @@ def _job(report: Mapping[str, Any]) -> Job:
 
 
 def _count_shapes(results: Path, category: str) -> dict[str, int]:
-    """Stage to the number of a category's shapes that it handles; stages that cannot be told are missing."""
+    """Stage to the number of a category's shapes that it handles; stages without one are missing."""
     counts: dict[str, int] = {}
     catalogue, clouds = results / "data" / category / "catalogue.csv", results / "clouds" / f"{category}.npz"
     if catalogue.is_file():
@@ -229,7 +229,7 @@ def _row(
 
 
 def _handled(place: str, members: Sequence[Job], shapes: Mapping[str, Mapping[str, int]]) -> int | None:
-    """Shapes that one seed of a stage goes through, where that can be told."""
+    """Shapes that one seed of a stage goes through, where that is known."""
     if "{category}" not in place:
         return None
     if "{mode}" not in place:

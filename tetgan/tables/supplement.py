@@ -29,7 +29,7 @@ IDENTITY = ("model", "grid", "tets", "mode", "smoothing", "simplified", "reduced
 _SUBJECTS = {"fid": "samples", "variety": "samples", "reconstruction": "reconstructions"}
 
 _ABOUT_PAPER = (
-    "The paper's figures stand in parentheses as printed: benches and vases are its high-resolution models, "
+    "The paper's figures are in parentheses as printed: benches and vases are its high-resolution models, "
     "sofas and tables its low-resolution ones, and it does not say whether they were smoothed; those of "
     "chairs are from its Table 1. They were measured on other shapes, at the paper's sizes and with another "
     "extractor: they are no claim of equal conditions."

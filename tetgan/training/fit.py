@@ -1,4 +1,4 @@
-"""Training of models that are fitted at once, not step by step."""
+"""Training of models that are fitted in one step, without a loop."""
 
 from pathlib import Path
 from typing import Any

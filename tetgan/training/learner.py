@@ -55,10 +55,10 @@ class Learner(Protocol):
         """
 
     def validate(self) -> dict[str, float]:
-        """How well validation shapes come back; nothing where there is none, or no encoder."""
+        """Measures of reconstructed validation shapes; empty where there is none, or no encoder."""
 
     def parts(self) -> dict[str, Any]:
-        """What a checkpoint must hold."""
+        """Objects whose state a checkpoint must hold, by name."""
 
 
 @contextmanager

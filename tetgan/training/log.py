@@ -1,4 +1,4 @@
-"""The course of a run: one row an epoch in log.csv, the same numbers for TensorBoard."""
+"""Training log: one row per epoch in log.csv, and the same numbers for TensorBoard."""
 
 import csv
 import math
@@ -20,7 +20,7 @@ COLUMNS = (
 Row = dict[str, float | int]
 
 Losses = dict[str, float | Tensor]
-"""Numbers of a step by name; tensors stay where they are, so that nobody waits for them."""
+"""Numbers of a step by name; tensors stay where they are, so that no step waits for them."""
 
 
 class RunLog:
@@ -58,7 +58,7 @@ class RunLog:
             table.writerows({name: _short(value) for name, value in row.items()} for row in self.rows)
 
     def state(self) -> dict[str, Any]:
-        """What a checkpoint keeps."""
+        """State that a checkpoint keeps."""
         return {
             "rows": self.rows,
             "sums": {name: [float(total), count] for name, (total, count) in self.sums.items()},

@@ -1,4 +1,4 @@
-"""The training loop of every model. Killed and run again, it ends with the same weights."""
+"""Training loop of every model; a killed run resumes to the same weights."""
 
 import logging
 import math
@@ -75,7 +75,7 @@ class TrainingLoop(ABC):
 
     @abstractmethod
     def parts(self) -> dict[str, Any]:
-        """What the next step depends on: objects with a state, by name."""
+        """Objects with a state on which the next step depends, by name."""
 
     @abstractmethod
     def save(self) -> None:

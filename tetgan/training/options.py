@@ -10,7 +10,7 @@ from tetgan.options import Options
 
 
 class CommonTraining(Options):
-    """What the loop itself heeds."""
+    """Options that the loop itself reads."""
 
     batch_size: int = Field(16, ge=1, description="shapes a step")
     device: Literal["auto", "cpu", "cuda"] = Field(

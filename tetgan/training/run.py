@@ -25,7 +25,7 @@ def train_model(
         training: of the class that goes with the model's kind.
         out_folder: receives `options.json` and `weights.safetensors`; where there are steps to take also
             `log.csv`, `events/` for TensorBoard, and `checkpoint.pt`, from which a killed run goes on.
-        of: folder of the trained model that this one stands on, as a DefTet does on a TetGAN.
+        of: folder of the trained model that this one is built on, as a DefTet is on a TetGAN.
 
     Raises:
         UserError: the index is no such data, or has no training shapes; `of` is missing or not needed;

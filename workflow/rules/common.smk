@@ -191,7 +191,7 @@ def trained_model(wildcards, model=None):
 
 
 def training_inputs(wildcards):
-    """Fields, and for a model that stands on another, as DefTet does, the weights of that one."""
+    """Fields, and for a model built on another, as DefTet is, the weights of that one."""
     inputs = model_fields(wildcards)
     if KINDS[wildcards.model].of:
         of = SETTINGS.models[wildcards.model].of

@@ -1,4 +1,4 @@
-"""Metrics of every model and of the real shapes, and the table that stands beside the paper's.
+"""Metrics of every model and of the real shapes, and the table beside the paper's.
 
 Inputs: folders of samples, repaired meshes, hold-out clouds, the extractor. Outputs: one JSON of metrics a
 model, seed and mode; one table a category, as CSV and as Markdown.

@@ -1,6 +1,6 @@
 """Samples under load: linear elasticity on the generated tets, as they are.
 
-Inputs: folders of samples. Outputs: a row a sample under <results>/studies/simulation, a table of all models and
+Inputs: folders of samples. Outputs: one row per sample under <results>/studies/simulation, a table of all models and
 modes, and for each category a picture of one sample, with its mesh (.vtu).
 """
 

@@ -1,7 +1,7 @@
 """Training: one generator a model and seed, and the one classifier whose features FID and KID compare.
 
 Inputs: fields, points or voxels of a category; point clouds of every category. Outputs: weights, the options used, a log.
-A killed training resumes from its checkpoint, which stands beside the outputs and is none of them.
+A killed training resumes from its checkpoint, which is beside the outputs and is none of them.
 """
 
 

@@ -1,4 +1,4 @@
-"""A row a model: validation shapes as it reconstructs them, then its samples, as in the paper's figure."""
+"""Figure of the ablation: one row per model, reconstructed validation shapes, then samples."""
 
 import sys
 from pathlib import Path

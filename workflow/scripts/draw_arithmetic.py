@@ -1,4 +1,4 @@
-"""A - B + C = D: what A has and B has not is added to C, changed parts in colour."""
+"""Figure of latent arithmetic, A - B + C = D, with changed parts in colour."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""The same number of unselected samples of every model, one row a model, real shapes on top."""
+"""The same number of unselected samples of every model, one row per model, real shapes on top."""
 
 import sys
 from pathlib import Path

@@ -43,7 +43,7 @@ def columns():
 
 
 def measured(study: str, model: str, shapes: dict) -> pd.DataFrame:
-    """What the study says of its first shape, and how edges bend: a row a column of the picture."""
+    """Figures of the first shape and the bends of its edges: one row per column of the picture."""
     rows = read_study(Path(study)).rows
     rows = rows[rows["id"] == rows["id"].iloc[0]].assign(model=model).reset_index(drop=True)
     names = [

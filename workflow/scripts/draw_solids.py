@@ -12,7 +12,7 @@ from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
 
 NORMAL = (1.0, 0.0, 0.0)
-SHARES = (0.8, 0.65, 0.5, 0.35, 0.2)  # how far along the shape the plane stands
+SHARES = (0.8, 0.65, 0.5, 0.35, 0.2)  # position of the plane along the shape
 FIRST, SHOWN = 16, 3  # of the first samples those with the most tets: they have an inside to look into
 
 

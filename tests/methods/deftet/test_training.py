@@ -1,4 +1,4 @@
-"""Training of the surface network: that it learns, repeats and resumes, and what it needs."""
+"""Training of the surface network: it learns, repeats, resumes, and needs a TetGAN."""
 
 import csv
 from pathlib import Path
@@ -69,7 +69,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(index, full, tm
 
 
 class Killed(BaseException):
-    """Stands for a kill: the trainer has no chance to tidy up after it."""
+    """A stand-in for a kill: the trainer has no chance to tidy up after it."""
 
 
 def test_a_run_that_was_stopped_ends_like_one_that_was_not(index, full, tmp_path, monkeypatch):

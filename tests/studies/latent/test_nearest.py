@@ -1,4 +1,4 @@
-"""The table of nearest training shapes, against what must be so."""
+"""The table of nearest training shapes: invariants."""
 
 import numpy as np
 import pandas as pd

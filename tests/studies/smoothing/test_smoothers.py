@@ -1,4 +1,4 @@
-"""Each smoothing against the formula read aloud, and what all of them keep."""
+"""Each smoothing against its formula, and their invariants."""
 
 import numpy as np
 import pytest

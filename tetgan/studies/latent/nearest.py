@@ -1,4 +1,4 @@
-"""Stage: the training shape nearest to each sample, which tells what is new from what is remembered."""
+"""Stage: the training shape nearest to each sample."""
 
 from collections.abc import Iterator, Sequence
 from itertools import islice

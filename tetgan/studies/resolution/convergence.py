@@ -1,4 +1,4 @@
-"""From errors at several resolutions to the resolution that an error takes."""
+"""Order of convergence, and the resolution at which an error is reached."""
 
 from typing import Any, NamedTuple
 
@@ -23,7 +23,7 @@ class Needed(NamedTuple):
 def resolution_to_reach(
     resolutions: Float[np.ndarray, "N"], errors: Float[np.ndarray, "N"], target: float
 ) -> Needed:
-    """Where the error falls to the target for good, on straight lines between the logarithms.
+    """Resolution from which the error stays below the target, on straight lines between the logarithms.
 
     Args:
         resolutions: rising.
@@ -46,7 +46,7 @@ def convergence_order(resolutions: Float[np.ndarray, "N"], errors: Float[np.ndar
 
 
 def summarise(curves: pd.DataFrame, reference_cells: int) -> pd.DataFrame:
-    """One row a representation: what it needs to reach the error of the deformed reference lattice.
+    """One row per representation: what it needs to reach the error of the deformed reference lattice.
 
     Args:
         curves: of `measure_curves`.

@@ -1,4 +1,4 @@
-"""The resolution study as people read it: a Markdown table, and a figure of shapes and curves."""
+"""Markdown table and figure of the resolution study."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -81,7 +81,7 @@ def _draw_curves(axes: Axes, curves: pd.DataFrame, summary: pd.DataFrame) -> Non
 
 
 def _times_deformed(resolutions: pd.Series) -> pd.Series:
-    """Each over that of the deformed tets, which stand first."""
+    """Each over that of the deformed tets, which come first."""
     return (resolutions / resolutions.iloc[0]).map(
         lambda times: "—" if pd.isna(times) else f"{float(times):.1f}"
     )
@@ -95,7 +95,7 @@ def _introduction(summary: pd.DataFrame, options: ResolutionOptions) -> str:
         f"{reference}³ deformed tets (lattice of {options.reference_cells} cells, depth {options.depth}). "
         f"The torus is exact: radii {torus.major:g} and {torus.minor:g} of the side, about the middle, "
         f"axis {torus.axis}. The paper does not say which torus or which threshold it took, so its "
-        "figures stand beside ours and are no claim of equal conditions."
+        "figures are beside ours and are no claim of equal conditions."
     )
 
 

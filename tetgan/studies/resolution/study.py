@@ -52,8 +52,8 @@ def study_resolution(options: ResolutionOptions, table: Path, figure: Path) -> N
     """Measure every representation and write what each needs.
 
     Args:
-        table: `.csv` of a row a representation; a `.md` twin for people stands beside it.
-        figure: `.png`; every measurement that it shows stands beside it as `.csv`.
+        table: `.csv` of one row per representation, with a `.md` twin.
+        figure: `.png`; every measurement that it shows is in a `.csv` beside it.
 
     Raises:
         UserError: both would write one file, or have another suffix.
@@ -73,7 +73,7 @@ def study_resolution(options: ResolutionOptions, table: Path, figure: Path) -> N
 
 
 def measure_curves(torus: Torus, options: ResolutionOptions) -> pd.DataFrame:
-    """One row a representation and resolution, in rising order.
+    """One row per representation and resolution, in rising order.
 
     Columns: `representation`, `resolution` (cube root of the elements), `cells` (of a lattice), `elements`,
     `numbers` stored, `faces` of the surface, `error` and its halves `to_torus`, `from_torus`, in cube sides.

@@ -50,7 +50,7 @@ class Torus:
         return self._join(self.minor * np.sin(around), ring)
 
     def field(self, points: Points) -> Field:
-        """What a tetrahedral grid with these centroids stores of the torus."""
+        """Field of the torus on a tetrahedral grid with these centroids."""
         displacement = self.closest_points(points) - points
         return Field(self.signed_distance(points) < 0, displacement.astype(np.float32))
 

@@ -1,4 +1,4 @@
-"""The surfaces of voxels of the unit cube: their own, and those that marching cubes finds."""
+"""Surfaces of voxels of the unit cube: their cubes, and marching cubes."""
 
 from collections.abc import Callable, Iterator
 from itertools import product

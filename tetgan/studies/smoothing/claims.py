@@ -1,4 +1,4 @@
-"""What the paper says of its smoothing, each statement as a difference that can be measured."""
+"""The paper's statements on smoothing, each as a measurable difference."""
 
 from typing import NamedTuple
 

@@ -1,4 +1,4 @@
-"""What the smoothing study of a model leaves in its folder."""
+"""Files of a model's smoothing study."""
 
 import json
 from collections.abc import Mapping
@@ -12,7 +12,7 @@ from tetgan.evaluation.options import EvaluationOptions
 from tetgan.studies.smoothing.smoothers import Variant
 
 SHAPES, REPORT, EXAMPLE = "shapes.csv", "report.json", "example.zip"
-"""A row a shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
+"""One row per shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
 
 REPAIRED = "repaired"
 """Name of the repaired shape among the variants of it."""
@@ -34,7 +34,7 @@ class Study(NamedTuple):
         return self.rows[mine.astype(bool)].set_index("id")
 
     def of_repaired(self) -> pd.DataFrame:
-        """The repaired shapes held against themselves."""
+        """Rows of the repaired shapes compared with themselves."""
         return self.rows[self.rows["smoothing"] == REPAIRED].set_index("id")
 
 

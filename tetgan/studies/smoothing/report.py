@@ -1,4 +1,4 @@
-"""The smoothing study as people read it."""
+"""Markdown report of the smoothing study."""
 
 from collections.abc import Sequence
 from typing import Any

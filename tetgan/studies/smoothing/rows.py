@@ -1,4 +1,4 @@
-"""The figures of each variant of a shape, held against its repaired mesh."""
+"""Figures of each variant of a shape beside its repaired mesh."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class Bends:
     ends: Float[np.ndarray, "E 2 3"]
 
     def percentile(self, percent: float | int) -> float:
-        """Angle below which so many per cent of the edges' length bend; nan without edges."""
+        """Angle below which that many per cent of the edges' length bend; nan without edges."""
         if not len(self.angles):
             return np.nan
         order = np.argsort(self.angles)
@@ -83,7 +83,7 @@ def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
     sides = edge_of_side.ravel()
     manifold = np.bincount(sides, minlength=len(edges)) == 2
     order = np.argsort(sides, kind="stable")
-    pairs = order[manifold[sides[order]]].reshape(-1, 2) // 3  # sides of one edge stand together
+    pairs = order[manifold[sides[order]]].reshape(-1, 2) // 3  # sides of one edge are adjacent
     one, other = normals[pairs[:, 0]], normals[pairs[:, 1]]
     sine = np.linalg.norm(np.cross(one, other), axis=1)
     angles = np.degrees(np.arctan2(sine, np.einsum("ec,ec->e", one, other)))
@@ -93,7 +93,7 @@ def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """A repaired shape, and what surfaces are held against."""
+    """A repaired shape, with the measures that surfaces are compared with."""
 
     shape_id: str
     surface: TriangleMesh
@@ -118,7 +118,7 @@ class Truth:
         return self.bends.draw(self.study.crease, self.study.crease_points, self._seed("crease"))
 
     def figures(self, surface: TriangleMesh) -> dict[str, float]:
-        """What a surface alone tells: distance and sharpness."""
+        """Distance and sharpness of a surface."""
         drawn = draw_sample(surface, self.evaluation.points, self._seed("reconstructed"))
         bends = measure_bends(surface.vertices, surface.faces)
         return {
@@ -135,7 +135,7 @@ class Truth:
 
 
 def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[dict[str, Any]]:
-    """The repaired shape held against itself, which is the floor, then a row a variant.
+    """The repaired shape compared with itself, which is the floor, then one row per variant.
 
     A row has no figures where nothing is left of the shape.
     """

@@ -1,4 +1,4 @@
-"""One step of smoothing, three ways, and the solids of a field with and without each."""
+"""Laplacian smoothing with wLS, uniform or cotangent weights, and the solids it gives."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Study: what displacement and each smoothing do to the surfaces of one model."""
+"""Study: effect of displacement and smoothing on the surfaces of one model."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -120,7 +120,7 @@ class _Subject(NamedTuple):
 def _measure_reconstructions(
     subject: _Subject, meshes: Sequence[Path], study: SmoothingOptions, evaluation: EvaluationOptions
 ) -> tuple[list[dict[str, Any]], dict[str, TriangleMesh]]:
-    """A row a validation shape and variant; and every surface of the first shape, by name."""
+    """One row per validation shape and variant; and every surface of the first shape, by name."""
     wanted = subject.store.ids("validation")[: study.shapes]
     repaired = _read_repaired(meshes, wanted)
     ids = [shape_id for shape_id in wanted if shape_id in repaired]

@@ -1,4 +1,4 @@
-"""Stage: the smoothing study of every model in one table, and whether it bears the paper out."""
+"""Stage: the smoothing studies of all models in one table, with the paper's claims tested."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -76,7 +76,7 @@ def over_seeds(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def study_table(study: Study) -> pd.DataFrame:
-    """A row a variant of one model, then the repaired shapes; missing is empty."""
+    """One row per variant of one model, then the repaired shapes; missing is empty."""
     report, evaluation = study.report, study.evaluation
     shared = {name: report.get(name) for name in ("category", "model", "grid", "tets")}
     shared |= {"beta": report["meshing"]["beta"]}
