@@ -24,7 +24,7 @@ from tetgan.errors import UserError
 from tetgan.files import whole_file
 
 HERE = Path(__file__).parent
-MODULES = ("start", "grids", "fields", "simplification", "metrics", "sizes")
+MODULES = ("start", "grids", "fields", "metrics", "sizes")
 MODULES += ("conv", "step", "memory", "streaming", "solids", "simulation")
 
 log = logging.getLogger("benchmarks")

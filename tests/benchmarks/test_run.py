@@ -116,30 +116,6 @@ def test_the_page_keeps_what_people_wrote(tmp_path):
     assert "| grid | 1 s |" not in text
 
 
-def test_the_error_of_simplification_is_exact_on_made_up_fields():
-    import numpy as np
-    from simplification import added_error
-
-    from tetgan.fields.field import Field
-    from tetgan.grids.hierarchy import build_hierarchy
-
-    grid = build_hierarchy(1, 1).finest
-    occupancy = np.zeros(len(grid.tets), dtype=bool)
-    occupancy[:10] = True
-    displacement = np.tile(np.float32([0.5, 0, 0]), (len(grid.tets), 1))
-    changed = occupancy.copy()
-    changed[10:12] = True
-    error = added_error(Field(changed, -displacement * 1.5), Field(occupancy, displacement), grid)
-    # Lengths 0.75 and 0.5; opposite vectors 1.25 apart; two tets on ten.
-    expected = {
-        "distance_error": 0.25,
-        "surface_error": 1.25,
-        "surface_error_95": 1.25,
-        "occupancy_changed": 0.2,
-    }
-    assert error == pytest.approx(expected)
-
-
 COSTS = """
 from memory import iteration_cost
 from tetgan.grids.hierarchy import build_hierarchy

@@ -37,10 +37,11 @@ def test_a_record_that_the_pipeline_could_not_use_is_refused(options, further, m
         Method(options, **({"build": "made.up:Model"} | further))
 
 
-def test_a_record_knows_its_name_and_its_modules():
+def test_a_record_knows_its_name_and_where_its_code_begins():
     kind = Method(OnGrid, build="made.up:Model", learner=OnGrid)
     assert (kind.name, kind.trained) == ("made-up", True)
-    assert kind.modules == {"made.up", __name__, "tetgan.training.loop"}
+    here = f"{__name__}:OnGrid"
+    assert kind.entry_points == [here, "made.up:Model", here, "tetgan.training.loop:train_learner"]
 
 
 @pytest.mark.parametrize("method", loaded_methods(), ids=lambda method: method.name)

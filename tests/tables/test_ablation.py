@@ -5,7 +5,7 @@ import pytest
 from tetgan.errors import UserError
 from tetgan.evaluation.metrics import names_of
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.tables.ablation import COLUMNS, write_ablation
+from tetgan.tables.ablation import COLUMNS, tabulate_ablation
 
 MODELS = ["tetgan-LR", "tet-gcn", "no-local", "no-global", "real"]
 WITHOUT = {"no-local": ["local"], "no-global": ["global"]}
@@ -22,7 +22,7 @@ def make(report, write, read, paper, tmp_path):
             | {"grid": "LR", "without": WITHOUT.get(model, [])}
             for model in models
         ]
-        write_ablation(write(reports), paper, "chair", tmp_path / "ablation.csv", changes)
+        tabulate_ablation(write(reports), paper, "chair", tmp_path / "ablation.csv", changes)
         return read(tmp_path / "ablation.csv")
 
     return get
@@ -76,4 +76,4 @@ def test_there_must_be_something_to_compare(make, report, write, paper, tmp_path
     with pytest.raises(UserError, match="no models to compare; name them in the config under 'ablation'"):
         make(["real"])
     with pytest.raises(UserError, match="metrics of 'chair', not of 'car'"):
-        write_ablation(write([report("chair", "tetgan-LR")]), paper, "car", tmp_path / "x.csv", {})
+        tabulate_ablation(write([report("chair", "tetgan-LR")]), paper, "car", tmp_path / "x.csv", {})

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.category import COLUMNS, write_table
+from tetgan.tables.category import COLUMNS, tabulate_category
 from tetgan.tables.paper import published, quoted_figure, read_paper
 from tetgan.tables.rows import IDENTITY
 
@@ -62,7 +62,7 @@ def make_table(tmp_path: Path, reports: list[dict], category: str = "chair") -> 
     for i, each in enumerate(reports):
         paths.append(tmp_path / f"{i}.json")
         paths[-1].write_text(json.dumps(each))
-    write_table(paths, PAPER, category, tmp_path / "table.csv")
+    tabulate_category(paths, PAPER, category, tmp_path / "table.csv")
     return pd.read_csv(tmp_path / "table.csv", dtype=str, keep_default_na=False), (
         tmp_path / "table.md"
     ).read_text()

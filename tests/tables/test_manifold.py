@@ -2,7 +2,7 @@
 
 import pytest
 
-from tetgan.tables.manifold import write_manifold
+from tetgan.tables.manifold import tabulate_manifold
 
 EDGES = {"manifold_edges": (0.98, 0.97, 0.99, None, 7), "boundary_edges": (0,), "nonmanifold_edges": (0.02,)}
 
@@ -10,7 +10,7 @@ EDGES = {"manifold_edges": (0.98, 0.97, 0.99, None, 7), "boundary_edges": (0,), 
 @pytest.fixture
 def manifold(tmp_path, paper, write, read):
     def make(reports):
-        write_manifold(write(reports), paper, tmp_path / "manifold.csv")
+        tabulate_manifold(write(reports), paper, tmp_path / "manifold.csv")
         return read(tmp_path / "manifold.csv")
 
     return make

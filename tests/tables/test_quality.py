@@ -10,7 +10,7 @@ from tetgan.errors import UserError
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.solids.record import quality_record
 from tetgan.solids.solid import SolidMesh
-from tetgan.tables.quality import IDENTITY, write_quality
+from tetgan.tables.quality import IDENTITY, tabulate_quality
 
 CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 TET = np.array([[0, 1, 2, 3]])
@@ -43,7 +43,7 @@ def sampled(tmp_path):
 @pytest.fixture
 def quality(tmp_path, paper, read):
     def make(*folders):
-        write_quality(folders, paper, tmp_path / "quality.csv")
+        tabulate_quality(folders, paper, tmp_path / "quality.csv")
         return read(tmp_path / "quality.csv")
 
     return make

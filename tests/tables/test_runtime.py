@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.runtime import BENCHMARKS, COLUMNS, write_runtime
+from tetgan.tables.runtime import BENCHMARKS, COLUMNS, tabulate_runtime
 
 HEAD = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time\n"
 SHARDS = 2
@@ -41,7 +41,7 @@ def runtime(tmp_path, results, paper, write, read):
             path = results / "benchmarks" / f"{place}.tsv"
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(HEAD + text)
-        write_runtime(write(reports), results, paper, SHARDS, tmp_path / "runtime.csv")
+        tabulate_runtime(write(reports), results, paper, SHARDS, tmp_path / "runtime.csv")
         table, text = read(tmp_path / "runtime.csv")
         assert tuple(table.columns) == COLUMNS
         names = table["model"].where(table["model"] != "", table["grid"])

@@ -3,13 +3,13 @@
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.supplement import IDENTITY, write_supplement
+from tetgan.tables.supplement import IDENTITY, tabulate_supplement
 
 
 @pytest.fixture
 def supplement(tmp_path, paper, write, read):
     def make(reports, figure="fid"):
-        write_supplement(write(reports), paper, figure, tmp_path / "table.csv")
+        tabulate_supplement(write(reports), paper, figure, tmp_path / "table.csv")
         return read(tmp_path / "table.csv")
 
     return make
@@ -118,4 +118,4 @@ def test_a_figure_that_is_none_and_files_that_are_not_metrics_are_refused(
     for content in ("[]", "{}", "model,value"):
         (tmp_path / "bad.json").write_text(content)
         with pytest.raises(UserError, match=r"bad\.json: not metrics"):
-            write_supplement([tmp_path / "bad.json"], paper, "fid", tmp_path / "table.csv")
+            tabulate_supplement([tmp_path / "bad.json"], paper, "fid", tmp_path / "table.csv")

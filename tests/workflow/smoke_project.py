@@ -18,7 +18,6 @@ class Project:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.told = ""
         for name in ("config", "workflow"):
             shutil.copytree(ROOT / name, folder / name)
         shutil.copy(ROOT / "Snakefile", folder)

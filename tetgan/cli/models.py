@@ -9,8 +9,6 @@ from tetgan.cli.app import OptionsText, Seed, Threads, app, read_options, read_p
 
 PANEL = "Models"
 
-CERTIFICATES = "*/certificate.csv"  # what a folder of samples holds
-
 
 @app.command(rich_help_panel=PANEL)
 def train(
@@ -45,7 +43,7 @@ def train(
 
 
 @app.command(rich_help_panel=PANEL)
-def extractor(
+def train_extractor(
     clouds: Annotated[list[Path], typer.Argument(help="Point clouds, one file a category.")],
     folder: Annotated[Path, typer.Argument(help="Folder of the trained classifier.")],
     options: OptionsText = "{}",
@@ -53,7 +51,7 @@ def extractor(
 ) -> None:
     """Train the PointNet++ classifier whose features FID and KID compare.
 
-    Example: `tetgan extractor chair.npz sofa.npz extractor`
+    Example: `tetgan train-extractor chair.npz sofa.npz extractor`
     """
     from tetgan.evaluation.extractor import train_extractor
     from tetgan.extractor.options import ExtractorOptions
@@ -94,14 +92,14 @@ def sample(
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
     from tetgan.models.pack import find_model, index_beside
-    from tetgan.models.samples import write_samples
+    from tetgan.solids.folder import CERTIFICATES
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")
     found = find_model(model)
     learned_from = index or index_beside(found)
     use_threads(threads)
     with whole_folder(folder, CERTIFICATES) as partial:
-        write_samples(found, learned_from, partial, count=count, options=chosen, seed=seed)
+        sample_model(found, learned_from, partial, count=count, options=chosen, seed=seed)
 
 
 @app.command(rich_help_panel=PANEL)
@@ -132,6 +130,7 @@ def simplify(
     from tetgan.files import whole_folder
     from tetgan.meshing.simplify import simplify_samples
     from tetgan.shapes.options import SimplifyOptions
+    from tetgan.solids.folder import CERTIFICATES
 
     with whole_folder(folder, CERTIFICATES) as partial:
         simplify_samples(samples, partial, SimplifyOptions(faces=faces))

@@ -56,11 +56,13 @@ def simulate(
 
     from tetgan.files import check_suffix
     from tetgan.mechanics.figure import write_figure
-    from tetgan.mechanics.options import LoadCase, Material, read_material
+    from tetgan.mechanics.materials import Material, read_material
+    from tetgan.mechanics.options import LoadCase
     from tetgan.mechanics.pieces import largest_piece
-    from tetgan.mechanics.simulation import BODIES, read_body, readable_record, write_simulation
+    from tetgan.mechanics.simulation import BODIES, readable_record, write_simulation
     from tetgan.mechanics.simulation import simulate as run
     from tetgan.rendering.plots import FIGURES
+    from tetgan.solids.reading import read_solid
 
     if out is not None:
         check_suffix(out, "a simulated mesh", *BODIES)
@@ -77,7 +79,7 @@ def simulate(
     }
     values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}
     case = LoadCase.parse(values, "simulate")
-    solid = read_body(mesh)
+    solid = read_solid(mesh)
     try:
         result = run(largest_piece(solid) if largest else solid, case)
     except UserError as error:
@@ -92,8 +94,8 @@ def simulate(
     Console().print(table)
 
 
-@app.command("simulation-study", rich_help_panel=PANEL)
-def simulation_study(
+@app.command(rich_help_panel=PANEL)
+def simulate_samples(
     samples: Annotated[Path, typer.Argument(help="Folder written by `tetgan sample`.")],
     out: Annotated[Path, typer.Argument(help="Table (.csv) to write, one row per sample.")],
     options: OptionsText = "{}",
@@ -101,25 +103,25 @@ def simulation_study(
 ) -> None:
     """Simulate many samples under one load; mesh some of their surfaces anew and compare.
 
-    Example: `tetgan simulation-study results/samples/table/tetgan-LR/0/solid study.csv
+    Example: `tetgan simulate-samples results/samples/table/tetgan-LR/0/solid study.csv
     --options '{samples: 50, remeshed: 5}'`
     """
     from tetgan.mechanics.options import SimulationOptions
-    from tetgan.mechanics.study import study_simulation
+    from tetgan.mechanics.study import simulate_samples
 
     chosen = read_options(SimulationOptions, options, "--options")
-    study_simulation(samples, out, chosen, read_plain(identity, "--identity"))
+    simulate_samples(samples, out, chosen, read_plain(identity, "--identity"))
 
 
-@app.command("simulation-table", rich_help_panel=PANEL)
-def simulation_table(
-    studies: Annotated[list[Path], typer.Argument(help="Tables written by `tetgan simulation-study`.")],
+@app.command(rich_help_panel=PANEL)
+def tabulate_simulation(
+    studies: Annotated[list[Path], typer.Argument(help="Tables written by `tetgan simulate-samples`.")],
     out: Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")],
 ) -> None:
     """Set the simulation studies side by side, one row per model and mode.
 
-    Example: `tetgan simulation-table studies/*.csv simulation.csv`
+    Example: `tetgan tabulate-simulation studies/*.csv simulation.csv`
     """
-    from tetgan.mechanics.table import write_simulation_table
+    from tetgan.mechanics.table import tabulate_simulation
 
-    write_simulation_table(studies, out)
+    tabulate_simulation(studies, out)

@@ -31,7 +31,7 @@ class _Index(ShardIndex):
     digests: list[str]
 
 
-def sample_shard(meshes: Path, out: Path, options: Sampling) -> None:
+def extract_samplings(meshes: Path, out: Path, options: Sampling) -> None:
     """Stage: sample every mesh of an archive; one mesh is in memory at a time.
 
     Raises:

@@ -27,14 +27,14 @@ _NOTES = [
 ]
 
 
-def write_simulation_table(studies: Sequence[Path], out: Path) -> None:
+def tabulate_simulation(studies: Sequence[Path], out: Path) -> None:
     """Write a row for each model and mode, as CSV and as Markdown.
 
     Args:
         studies: one for each model, mode and seed.
 
     Raises:
-        UserError: a file is no study of `tetgan simulation-study`.
+        UserError: a file is no study of `tetgan simulate-samples`.
     """
     seeds: dict[tuple[str, ...], list[pd.DataFrame]] = {}
     for rows in map(_read, studies):

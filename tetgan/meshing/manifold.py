@@ -51,7 +51,7 @@ def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: CollaredGrid) ->
     """Defect of each vertex; 0 everywhere exactly when the boundary is manifold.
 
     Around a vertex the tets cut a small sphere into triangles. The boundary meets the sphere in one closed
-    curve, so has one fan there, exactly when the occupied triangles are connected by sides, and the empty
+    curve, so has one fan there, exactly when the occupied triangles hang together side by side, and the empty
     ones as well (Jordan); and a surface with one fan at each vertex has two faces at each edge. The defect is
     the number of pieces beyond one of each.
     """

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Int
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
+
+from tetgan.geometry.components import label_components
 
 
 class Pieces(NamedTuple):
@@ -88,11 +88,8 @@ class Stars:
         first = np.searchsorted(place, np.arange(len(simplices)))
         beside = first[place][:, None] + self._rank[self._beside[corners]]
         rows, slots = np.nonzero(occupied[:, None] == occupied[beside])
-        links = sparse.csr_array(
-            (np.ones(len(rows), dtype=np.int8), (rows, beside[rows, slots])), shape=(len(corners),) * 2
-        )
-        count, label = connected_components(links, directed=False)
-        some = np.zeros(count, dtype=np.int64)
+        label = label_components(rows, beside[rows, slots], len(corners))
+        some = np.zeros(label.max(initial=-1) + 1, dtype=np.int64)
         some[label] = np.arange(len(label))
         return Pieces(tets, place, beside, occupied, label, place[some], occupied[some])
 

@@ -88,10 +88,10 @@ class Method:
         return self.trained and self.sampling is None
 
     @property
-    def modules(self) -> set[str]:
-        """Names of the modules that hold it, its networks and its training."""
+    def entry_points(self) -> list[str]:
+        """Its options, network and training as `module:name`: where its code begins."""
         references = (self.options, self.build, self.learner, self.train)
-        return {_module_of(reference) for reference in references if reference is not None}
+        return [_in_words(reference) for reference in references if reference is not None]
 
     def load(self, part: str) -> Any:
         """The class or function behind one of the references."""
@@ -102,8 +102,8 @@ class Method:
         return getattr(import_module(module), name)
 
 
-def _module_of(reference: Reference) -> str:
-    return reference.partition(":")[0] if isinstance(reference, str) else reference.__module__
+def _in_words(reference: Reference) -> str:
+    return reference if isinstance(reference, str) else f"{reference.__module__}:{reference.__qualname__}"
 
 
 class Size(NamedTuple):

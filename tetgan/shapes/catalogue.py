@@ -47,11 +47,11 @@ def read_catalogue(path: Path) -> pd.DataFrame:
         table = read_table(path)
     except ValueError as error:
         raise UserError(
-            f"{path}: not a catalogue ({str(error).strip()}); make it with 'tetgan catalogue'"
+            f"{path}: not a catalogue ({str(error).strip()}); make it with 'tetgan gather-catalogue'"
         ) from None
     missing = [name for name in ("id", "split") if name not in table]
     if missing:
         raise UserError(
-            f"{path}: not a catalogue (no column '{missing[0]}'); make it with 'tetgan catalogue'"
+            f"{path}: not a catalogue (no column '{missing[0]}'); make it with 'tetgan gather-catalogue'"
         )
     return table

@@ -89,9 +89,6 @@ class RepairOptions(Options):
     offset: float = Field(
         0.001, gt=0, le=0.1, description="alpha_wrap: outward offset, fraction of the longest side"
     )
-    simplify_faces: int | None = Field(
-        None, ge=100, description="quadric decimation of the result to this many faces"
-    )
     fill_hollow: bool = Field(True, description="fill insides that open sheets left hollow")
     sheet_thickness: float = Field(
         0.01, gt=0, le=0.1, description="walls thinner than this fraction of the longest side are sheets"

@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
+
+from tetgan.geometry.tets import TetMesh
+from tetgan.geometry.triangles import TriangleMesh
 
 
 @dataclass(frozen=True)
@@ -30,7 +33,7 @@ class SolidChanges:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidMesh:
+class SolidMesh(TetMesh):
     """Tets, and the boundary faces of their connectivity, on shared vertices.
 
     Attributes:
@@ -40,7 +43,10 @@ class SolidMesh:
         changes: of the occupancy, in mode `solid`.
     """
 
-    vertices: Float[np.ndarray, "V 3"]
-    tets: Int[np.ndarray, "T 4"]
     faces: Int[np.ndarray, "F 3"]
     changes: SolidChanges = SolidChanges()
+
+    @property
+    def surface(self) -> TriangleMesh:
+        """The boundary, on all vertices."""
+        return TriangleMesh(self.vertices, self.faces)

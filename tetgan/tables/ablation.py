@@ -47,7 +47,7 @@ _SOLID_NOTE = (
 )
 
 
-def write_ablation(
+def tabulate_ablation(
     metrics: Sequence[Path], paper: Path, category: str, out: Path, changes: Mapping[str, str]
 ) -> None:
     """Write the table as CSV, and as Markdown beside it.

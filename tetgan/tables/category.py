@@ -44,7 +44,7 @@ _ABOUT_PAPER = (
 )
 
 
-def write_table(metrics: Sequence[Path], paper: Path, category: str, out: Path) -> None:
+def tabulate_category(metrics: Sequence[Path], paper: Path, category: str, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     One row per model, mode and smoothing; several seeds of a model become one row. Missing is empty, never 0.

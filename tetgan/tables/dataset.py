@@ -36,7 +36,7 @@ _NOTES = [
 ]
 
 
-def write_dataset(catalogues: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_dataset(catalogues: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:

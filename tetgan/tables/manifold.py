@@ -49,7 +49,7 @@ _NOTES = [
 ]
 
 
-def write_manifold(metrics: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_manifold(metrics: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:

@@ -16,7 +16,7 @@ from tetgan.evaluation.intervals import bootstrap
 from tetgan.evaluation.metrics import headings_of
 from tetgan.evaluation.options import BootstrapOptions
 from tetgan.evaluation.seeds import named_rng
-from tetgan.solids.folder import KINDS, SampleFolder
+from tetgan.solids.folder import CERTIFICATES, KINDS, SampleFolder
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, row_name, write_twins
 from tetgan.tables.paper import OWN_METHODS, quoted_figure, read_paper
 
@@ -121,7 +121,7 @@ class _Samples:
             UserError: there are none, or they lack columns.
         """
         found = {}
-        for path in sorted(self.folder.glob("*/certificate.csv")):
+        for path in sorted(self.folder.glob(CERTIFICATES)):
             certificate = SampleFolder(path.parent).certificate
             if certificate is None or not _NEEDED.issubset(certificate.columns):
                 raise UserError(f"{path}: no certificate of solids; sample the model again")
@@ -131,7 +131,7 @@ class _Samples:
         return found
 
 
-def write_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:

@@ -53,7 +53,9 @@ def read_reports(paths: Sequence[Path], out: Path, category: str | None = None) 
             if not {"category", "model", "smoothings"} <= report.keys():
                 raise ValueError("a key is missing")
         except (ValueError, AttributeError) as error:
-            raise UserError(f"{path}: not metrics of `tetgan metrics` or `tetgan floor` ({error})") from None
+            raise UserError(
+                f"{path}: not metrics of `tetgan evaluate-model` or `tetgan evaluate-real` ({error})"
+            ) from None
         if category not in (None, report["category"]):
             raise UserError(f"{path}: metrics of '{report['category']}', not of '{category}'")
         reports.append(report)

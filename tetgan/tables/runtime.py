@@ -106,7 +106,7 @@ class Cost(NamedTuple):
     measured: int
 
 
-def write_runtime(metrics: Sequence[Path], results: Path, paper: Path, shards: int, out: Path) -> None:
+def tabulate_runtime(metrics: Sequence[Path], results: Path, paper: Path, shards: int, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:

@@ -36,7 +36,7 @@ _ABOUT_PAPER = (
 )
 
 
-def write_supplement(metrics: Sequence[Path], paper: Path, figure: str, out: Path) -> None:
+def tabulate_supplement(metrics: Sequence[Path], paper: Path, figure: str, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     One row a model, mode and smoothing. Missing is empty, never 0.

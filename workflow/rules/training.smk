@@ -29,7 +29,7 @@ rule train_model:
         model=model_options,
         training=training_options,
         of=standing_on,
-        code=model_code("tetgan.training.run", "nn", "models", "training"),
+        code=code_digest("tetgan.training.run:train_model", of_model=True),
     shell:
         "tetgan train {input.index:q} {params.folder:q} --model {params.model:q}"
         " --training {params.training:q} --seed {wildcards.seed} --threads {threads}"
@@ -55,9 +55,7 @@ rule train_extractor:
     params:
         folder=subpath(output.weights, parent=True),
         options=section("extractor"),
-        code=code_digest(
-            ["tetgan.evaluation.extractor"], ["models", "training", "evaluation"]
-        ),
+        code=code_digest("tetgan.evaluation.extractor:train_extractor"),
     shell:
-        "tetgan extractor {input.clouds:q} {params.folder:q} --options {params.options:q}"
+        "tetgan train-extractor {input.clouds:q} {params.folder:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"

@@ -1,6 +1,5 @@
 """One validation shape in every variant of displacement and smoothing, whole and enlarged, for each model."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +8,8 @@ import pandas as pd
 from tetgan.rendering.raycast import render_mesh
 from tetgan.rendering.sheet import contact_sheet, save_image
 from tetgan.shapes.archive import read_meshes
-from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, read_study
+from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, VARIANTS, Variant, read_study
 from tetgan.studies.smoothing.rows import measure_bends
-from tetgan.studies.smoothing.smoothers import VARIANTS, Variant
 
 CELL = 300
 ENLARGED = 3
@@ -66,6 +64,4 @@ def draw(studies: list[str], models: list[str], out: Path) -> None:
     pd.concat(data).to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(list(snakemake.input.studies), list(snakemake.params.names), Path(snakemake.output.picture))
+draw(list(snakemake.input.studies), list(snakemake.params.names), Path(snakemake.output.picture))

@@ -48,7 +48,7 @@ TRIPLES, CHANGES = "triples.csv", "changes.npz"
 _BESIDE = {"A": "B", "B": "A", "C": "D", "D": "C"}
 
 
-def write_arithmetic(
+def add_parts(
     model: Path,
     index: Path,
     folder: Path,

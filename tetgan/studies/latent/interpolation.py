@@ -29,7 +29,7 @@ log = logging.getLogger(__name__)
 STEPS = "steps.csv"
 
 
-def write_interpolations(
+def interpolate_shapes(
     model: Path,
     index: Path,
     folder: Path,

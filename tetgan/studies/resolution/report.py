@@ -8,10 +8,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.rendering.raycast import render_mesh
 from tetgan.studies.options import ResolutionOptions
 from tetgan.studies.resolution.representations import BINARY, BLOCKY, DEFORMED, DISTANCE, UNDEFORMED
-from tetgan.studies.resolution.voxels import Triangles
 
 _COLORS = {
     DEFORMED: "#d1601f",
@@ -44,13 +44,14 @@ def render_report(summary: pd.DataFrame, options: ResolutionOptions) -> str:
 
 
 def draw_report(
-    path: Path, curves: pd.DataFrame, summary: pd.DataFrame, pictures: Mapping[str, Triangles]
+    path: Path, curves: pd.DataFrame, summary: pd.DataFrame, pictures: Mapping[str, TriangleMesh]
 ) -> None:
     """Pictures of the shapes, by title, above the error of each representation at every resolution."""
     figure = Figure(figsize=(13, 8), layout="constrained")
     upper, lower = np.asarray(figure.subfigures(2, 1, height_ratios=[1, 1.5]), dtype=object)
     for axes, (title, surface) in zip(upper.subplots(1, len(pictures)), pictures.items(), strict=True):
-        axes.imshow(render_mesh(*surface, size=(_PIXELS, _PIXELS), span=1.0, elevation=25))
+        size = (_PIXELS, _PIXELS)
+        axes.imshow(render_mesh(surface.vertices, surface.faces, size=size, span=1.0, elevation=25))
         axes.set_title(title.replace(", ", "\n"), fontsize=10)
         axes.set_axis_off()
     _draw_curves(lower.subplots(), curves, summary)

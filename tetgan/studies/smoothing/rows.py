@@ -17,11 +17,10 @@ from tetgan.evaluation.surfaces import draw_sample
 from tetgan.geometry.adjacency import unique_edges
 from tetgan.geometry.boundary import Boundary
 from tetgan.geometry.tets import orientations, tet_volumes
-from tetgan.geometry.triangles import TriangleMesh
+from tetgan.geometry.triangles import TriangleMesh, area_normals
 from tetgan.solids.solid import SolidMesh
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.files import REPAIRED
-from tetgan.studies.smoothing.smoothers import Variant
+from tetgan.studies.smoothing.files import REPAIRED, Variant
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,8 +76,7 @@ class Bends:
 
 def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> Bends:
     """The bend at each edge of a surface whose faces are turned alike."""
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(vertices[faces])
     edges, edge_of_side = unique_edges(faces)
     sides = edge_of_side.ravel()
     manifold = np.bincount(sides, minlength=len(edges)) == 2
@@ -106,7 +104,7 @@ class Truth:
 
     @cached_property
     def volume(self) -> float:
-        return enclosed_volume(self.surface)
+        return self.surface.volume
 
     @cached_property
     def bends(self) -> Bends:
@@ -143,16 +141,9 @@ def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[di
     for variant, solid in solids.items():
         row = {"id": truth.shape_id, "displaced": variant.displaced, "smoothing": variant.smoothing}
         if len(solid.faces):
-            row |= truth.figures(TriangleMesh(solid.vertices, solid.faces))
+            row |= truth.figures(solid.surface)
             row |= _solid_figures(solid, solids[Variant(variant.displaced, "none")], truth.volume)
         yield row
-
-
-def enclosed_volume(surface: TriangleMesh) -> float:
-    """Signed volume of a closed surface, positive when it faces outward."""
-    apex = np.full(len(surface.faces), len(surface.vertices))
-    tets = np.column_stack([apex, surface.faces])
-    return float(tet_volumes(np.vstack([surface.vertices, np.zeros(3)]), tets).sum())
 
 
 def _solid_figures(solid: SolidMesh, unsmoothed: SolidMesh, volume: float) -> dict[str, float]:
