@@ -209,6 +209,16 @@ def test_nothing_of_the_paper_configuration_is_smaller_than_the_paper():
         assert own == public.model_copy(update={"validate_every": own.validate_every})
 
 
+def test_critics_that_a_tetgan_lacks_are_read_from_its_training():
+    config = Config.parse(load_config(DEFAULT))
+    without = {name: config.without(name) for name in config.models}
+    assert {name: critics for name, critics in without.items() if critics} == {
+        "no-local": ["local"],
+        "no-global": ["global"],
+        "vae-only": ["local", "global"],
+    }
+
+
 def test_reductions_name_what_is_smaller_than_in_the_paper():
     config = Config.parse(changed(models={"m": {"kind": "tetgan", "grid": "LR", "width": 16}}))
     assert "width 16 (paper 64)" in config.reductions("m")

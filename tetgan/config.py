@@ -264,6 +264,13 @@ class Config(Options):
         own = self.models[model].model_dump(exclude={"training", "meshing"})
         return own | self.training_of(model).model_dump() | self.meshing_of(model).model_dump()
 
+    def without(self, model: str) -> list[str]:
+        """Critics that a model of kind `tetgan` is trained without."""
+        if self.models[model].kind != "tetgan":
+            return []
+        training: Any = self.training_of(model)
+        return [name for name in ("local", "global") if getattr(training, f"{name}_weight") == 0]
+
     def reductions(self, model: str) -> str:
         """Settings of a model that are smaller than the paper's, or others, in words; empty: none."""
         options: Any = self.models[model]

@@ -165,7 +165,10 @@ def test_every_baseline_leaves_a_folder_that_evaluation_reads(kind, points, voxe
     for _, row in table.iterrows():
         file = tmp_path / "samples/none" / row["set"] / f"{row['id']}.ply"
         assert file.exists() == (row["faces"] > 0)
-    assert json.loads((tmp_path / "samples/about.json").read_text()) == {"train_minutes": None}
+    assert json.loads((tmp_path / "samples/about.json").read_text()) == {
+        "method": kind,
+        "train_minutes": None,
+    }
     assert not (tmp_path / "samples/wls").exists()
 
 

@@ -31,6 +31,20 @@ def test_ground_truth_and_generated_chairs_stand_beside_the_papers_figures(manif
     assert "0.98 [0.97, 0.99] (paper 98.5%)" in text
 
 
+def test_the_method_decides_which_shapes_the_edges_belong_to(manifold, report):
+    reports = [
+        report("chair", "my-net", method="tetgan", **EDGES),
+        report("chair", "my-fields", method="representation", **EDGES),
+        report("chair", "tetgan-like", method="other", **EDGES),
+    ]
+    table, _ = manifold(reports)
+    assert table[["model", "shapes", "manifold_edges_paper"]].to_numpy().tolist() == [
+        ["my-net", "generated", "98.5%"],
+        ["tetgan-like", "generated", ""],
+        ["my-fields", "ground truth", "98.9%"],
+    ]
+
+
 def test_the_paper_states_nothing_of_other_categories(manifold, report):
     table, _ = manifold([report(category, "tetgan-LR", **EDGES) for category in ("chair", "vase")])
     assert list(table["category"]) == ["chair", "vase"]

@@ -110,6 +110,17 @@ def test_seeds_are_averaged_and_the_log_tells_the_time_of_training(runtime, repo
     assert "15 ± 7.07" in text
 
 
+def test_the_paper_states_the_time_of_its_method_whatever_the_model_is_called(runtime, report):
+    reports = [
+        report("chair", "my-net", method="tetgan"),
+        report("chair", "tetgan-like", method="pca"),
+    ]
+    table, _ = runtime(reports, {})
+    printed = table.loc["train_model", "paper"]
+    assert printed["my-net"] == "approximately two days on two NVIDIA A40 GPUs"
+    assert printed["tetgan-like"] == ""
+
+
 def test_a_missing_benchmark_leaves_its_row_empty(runtime, report):
     files = {"extract_fields/chair/LR/1-of-2": benchmark(2, rss=50)}
     table, text = runtime([report("chair", "tetgan-LR"), report("sofa", "tetgan-LR")], files)

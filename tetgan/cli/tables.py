@@ -34,7 +34,7 @@ def tabulate_supplement(
     figure: Annotated[str, typer.Option(help="fid, variety or reconstruction.")],
     paper: Paper,
 ) -> None:
-    """Set one figure of benches, sofas, tables and vases side by side, as the paper's supplement does.
+    """Set one figure of every category side by side, as the paper's supplement does.
 
     Example: `tetgan tabulate-supplement results/metrics/*/*/*/paper.json fid.csv --figure fid
     --paper paper.csv`

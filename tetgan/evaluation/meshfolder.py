@@ -104,6 +104,10 @@ class MeshFolder:
         listed = {str(path) for path in self.files.values()} | set(self.problems)
         return {"files": len(listed), "unusable": len(self.problems)}
 
+    def unusable(self) -> set[str]:
+        """Names of the meshes that have turned out to be so."""
+        return {name for name, path in self.files.items() if str(path) in self.problems}
+
     def first_problem(self) -> str:
         """One of the reasons, to end an error message with."""
         return "".join(f"; {Path(path).name}: {why}" for path, why in [*self.problems.items()][:1])

@@ -42,14 +42,14 @@ def sample_model(
         model: folder of a trained model.
         index: of the fields, or the sampling, that it was trained on.
         folder: receives `{none,wls}/{generated,reconstructed}/{id}.{ply,vtu}`, `certificate.csv` beside
-            them, and `about.json` with the number of tets, if any, and the minutes of training.
+            them, and `about.json` with the method, the number of tets, if any, and the minutes of training.
     """
-    sampling = method_of(load_options(model)).sampling
-    if sampling is None:
+    method = method_of(load_options(model))
+    if method.sampling is None:
         about = _write_solids(model, index, folder, options, count=count, seed=seed)
     else:
-        about = _write_surfaces(model, index, folder, sampling["kind"], count=count, seed=seed)
-    about |= {"train_minutes": _train_minutes(model)}
+        about = _write_surfaces(model, index, folder, method.sampling["kind"], count=count, seed=seed)
+    about |= {"method": method.name, "train_minutes": _train_minutes(model)}
     with whole_file(folder / "about.json") as partial:
         partial.write_text(json.dumps(about, indent=2) + "\n")
 

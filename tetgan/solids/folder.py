@@ -22,9 +22,6 @@ CERTIFICATES = f"*/{CERTIFICATE}"
 
 KINDS = ("generated", "reconstructed")
 
-SOLID_METRICS = ("volume", "thickness", "components", "floating", "valid")
-"""Columns of the certificate whose means over the shapes that are not empty are metrics of the same name."""
-
 
 def write_certificates(folder: Path, rows: Sequence[Mapping[str, Any]]) -> None:
     """Write one row per mesh; of samples each has `set` and `id`."""

@@ -10,7 +10,7 @@ import pandas as pd
 from tetgan.errors import UserError
 from tetgan.shapes.catalogue import read_catalogue
 from tetgan.tables.markdown import markdown_table, page, plain, write_twins
-from tetgan.tables.paper import read_paper, stated
+from tetgan.tables.paper import quoted_figure, read_paper
 
 CATEGORIES = ("chair", "sofa", "bench", "table", "car", "vase")
 """Those of the paper: each is a row, empty but for the paper's figure where it was not run."""
@@ -76,7 +76,7 @@ def build_dataset(counts: Mapping[str, Mapping[str, Any]], paper: pd.DataFrame) 
     rows = [
         {"category": category}
         | {name: counts.get(category, {}).get(name) for name in (*COUNTS, "reasons")}
-        | {"listed_paper": stated(paper, category, "data set", "shapes")}
+        | {"listed_paper": quoted_figure(paper, category, "data set", "shapes")}
         for category in dict.fromkeys([*CATEGORIES, *counts])
     ]
     columns = ["category", "listed", "listed_paper", *COUNTS[1:], "reasons"]

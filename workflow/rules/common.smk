@@ -134,7 +134,7 @@ def meshing_options(wildcards):
 
 
 def identity(wildcards):
-    """What a row of the table says of its model, beside the metrics."""
+    """What a row of the table says of its model, beside the metrics; the samples name the method."""
     model = SETTINGS.models[wildcards.model]
     return json.dumps(
         {
@@ -146,6 +146,7 @@ def identity(wildcards):
             "seed": int(wildcards.seed),
             "simplified": wildcards.model in SIMPLIFIED,
             "reduced": SETTINGS.reductions(wildcards.model),
+            "without": SETTINGS.without(wildcards.model),
         }
     )
 

@@ -7,21 +7,19 @@ import numpy as np
 import pandas as pd
 
 from tetgan.evaluation.estimates import mean_estimate
+from tetgan.evaluation.metrics import headings_of
 from tetgan.studies.smoothing.files import Study
 from tetgan.studies.smoothing.smoothers import Variant
 
-_TITLES = {
-    "chamfer": "Chamfer ↓",
-    "fid": "FID ↓",
-    "kid": "KID ↓",
+_HEADINGS = {
+    **headings_of(("chamfer", "fid", "kid")),
     "volume_ratio": "Volume, smoothed / not",
     "volume_to_repaired": "Volume / repaired",
     "bend_p95": "Bend, 95th percentile",
     "bend_sharp": "Sharp edge",
     "bend_w1": "Bend, distance ↓",
     "crease_distance": "Crease distance ↓",
-    "manifold_edges": "Manifold edges ↑",
-    "inverted_tets": "Inverted tets ↓",
+    **headings_of(("manifold_edges", "inverted_tets")),
 }
 
 _FEATURE_CLAIMS = {"fid": "wLS raises FID", "kid": "wLS raises KID"}
@@ -143,7 +141,7 @@ def _difference(finding: Finding) -> str:
 
 def _figures(rows: pd.DataFrame) -> str:
     shown = {"Surface": [_row_name(*row) for row in zip(rows["displaced"], rows["smoothing"], strict=True)]}
-    for figure, title in _TITLES.items():
+    for figure, title in _HEADINGS.items():
         shown[title] = [
             _figure(value, std) for value, std in zip(rows[figure], rows[f"{figure}_std"], strict=True)
         ]
