@@ -12,7 +12,7 @@ from importlib.util import find_spec, resolve_name
 from pathlib import Path
 
 DECLARATIVE = "options"
-"""Modules of this name are left out: what they declare reaches a stage as its parameters."""
+"""Modules of this name do not count: what they declare reaches a stage as parameters. Their imports count."""
 
 
 def code_digest(*entry_points: str | Path) -> str:
@@ -39,23 +39,22 @@ def code_behind(*entry_points: str | Path) -> dict[str, bytes]:
     modules = [str(entry).partition(":")[0] for entry in entry_points if not isinstance(entry, Path)]
     packages = {"tetgan", *(name.partition(".")[0] for name in modules)}
     todo = modules + [name for script in found.values() for name in _mentioned(script, "")[0]]
+    seen = set[str]()
     while todo:
         name = todo.pop()
-        if name in found or name.partition(".")[0] not in packages or _is_declarative(name):
+        if name in seen or name.partition(".")[0] not in packages:
             continue
+        seen.add(name)
         path = _path_of(name)
         if path is not None:
-            found[name] = path.read_bytes()
+            source = path.read_bytes()
             package = name if path.name == "__init__.py" else name.rpartition(".")[0]
-            imported, strings = _mentioned(found[name], package)
+            imported, strings = _mentioned(source, package)
             todo += [package, *imported, *strings]
             found |= _data_beside(path, package, strings)
+            if not (name.startswith("tetgan.") and name.endswith(f".{DECLARATIVE}")):
+                found[name] = source
     return found
-
-
-def _is_declarative(name: str) -> bool:
-    parts = name.split(".")
-    return parts[0] == "tetgan" and parts[-1] == DECLARATIVE
 
 
 def _path_of(name: str) -> Path | None:

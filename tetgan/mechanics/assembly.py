@@ -16,7 +16,7 @@ from skfem.element import ElementTetP1, ElementTetP2
 
 from tetgan.geometry.tets import TetMesh
 from tetgan.geometry.triangles import area_normals
-from tetgan.mechanics.options import Material
+from tetgan.mechanics.materials import Material
 from tetgan.mechanics.regions import BoundaryFaces
 
 logging.getLogger("skfem").setLevel(logging.WARNING)  # else it tells of every basis and form

@@ -8,8 +8,7 @@ import pandas as pd
 
 from tetgan.evaluation.estimates import mean_estimate
 from tetgan.evaluation.metrics import headings_of
-from tetgan.studies.smoothing.files import Study
-from tetgan.studies.smoothing.smoothers import Variant
+from tetgan.studies.smoothing.files import Study, Variant
 
 _HEADINGS = {
     **headings_of(("chamfer", "fid", "kid")),
