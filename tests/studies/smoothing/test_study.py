@@ -248,7 +248,7 @@ def test_the_figure_has_its_data_beside_it(folder, tmp_path, monkeypatch):
         output=SimpleNamespace(picture=str(tmp_path / "smoothing.png")),
         log=[str(tmp_path / "log")],
     )
-    script = Path(__file__).parents[2] / "workflow" / "scripts" / "draw_smoothing.py"
+    script = Path(__file__).parents[3] / "workflow" / "scripts" / "draw_smoothing.py"
     runpy.run_path(str(script), init_globals={"snakemake": job})
     data = pd.read_csv(tmp_path / "smoothing.csv")
     assert len(data) == 1 + len(VARIANTS) and set(data["id"]) == {"box-6"}
