@@ -151,7 +151,6 @@ def test_a_remeshed_block_is_the_same_block(bar, tmp_path, monkeypatch):
     block = bar(2, 2, length=0.5, side=0.5)
     with RemeshWorker(RemeshOptions(edge=0.2)) as worker:
         other = worker.remesh(block)
-    volumes = other.volumes
     # The envelope is a thousandth of the diagonal, on six sides.
     assert (other.volumes > 0).all() and other.volumes.sum() == pytest.approx(0.125, rel=0.02)
     assert not list(tmp_path.iterdir())
