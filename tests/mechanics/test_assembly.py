@@ -24,7 +24,7 @@ ORDERS = pytest.mark.parametrize("order", [1, 2])
 
 @ORDERS
 def test_the_stiffness_is_that_of_a_vector_element(crooked, order):
-    body = Body(*crooked, order)
+    body = Body(crooked.vertices, crooked.tets, order)
     element = skfem.ElementVector(body.basis.elem)
     theirs = linear_elasticity(*STUFF.lame).assemble(skfem.Basis(body.mesh, element, intorder=2))
     ours = stiffness(body, STUFF)
@@ -50,7 +50,7 @@ def _interpolated(basis, field):
 
 @ORDERS
 def test_rigid_motions_cost_nothing(crooked, order):
-    body = Body(*crooked, order)
+    body = Body(crooked.vertices, crooked.tets, order)
     matrix, motions = stiffness(body, STUFF), rigid_motions(body.nodes)
     # Rounding: the entries of the matrix are up to 1e9 and each sum has about a hundred.
     assert np.abs(matrix @ motions).max() < 1e-12 * np.abs(matrix.data).max() * 100
@@ -60,7 +60,7 @@ def test_rigid_motions_cost_nothing(crooked, order):
 
 @ORDERS
 def test_a_linear_displacement_has_one_stress_everywhere(crooked, order):
-    body = Body(*crooked, order)
+    body = Body(crooked.vertices, crooked.tets, order)
     gradient = np.array([[1e-3, 2e-3, 0], [0, -3e-4, 5e-4], [1e-4, 0, 7e-4]])
     found = stresses(body, STUFF, body.nodes @ gradient.T)
     first, shear = STUFF.lame
@@ -70,7 +70,7 @@ def test_a_linear_displacement_has_one_stress_everywhere(crooked, order):
 
 @ORDERS
 def test_weights_sum_to_area_and_volume(crooked, order):
-    body = Body(*crooked, order)
+    body = Body(crooked.vertices, crooked.tets, order)
     weights = volume_weights(body)
     assert weights.sum() == pytest.approx(1)
     assert weights @ body.nodes == pytest.approx([0.5, 0.5, 0.5])
@@ -83,7 +83,7 @@ def test_weights_sum_to_area_and_volume(crooked, order):
 
 
 def test_normals_point_outward(crooked):
-    faces = Body(*crooked, 1).boundary_faces(1.0)
+    faces = Body(crooked.vertices, crooked.tets, 1).boundary_faces(1.0)
     # Of the unit cube, the outward normal is the axis along which a face lies at 0 or at 1.
     at_end = np.isclose(faces.middles, 1).astype(float) - np.isclose(faces.middles, 0)
     np.testing.assert_allclose(faces.normals, at_end, atol=1e-12)
@@ -99,5 +99,5 @@ def test_vertex_means_are_weighed_by_volume():
     # Two tets on one face, the second of twice the height of the first.
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, -2.0]])
     solid = TetMesh(vertices, np.array([[0, 1, 2, 3], [0, 2, 1, 4]]))
-    found = to_vertices(Body(*solid, 1), np.array([3.0, 6.0]))
+    found = to_vertices(Body(solid.vertices, solid.tets, 1), np.array([3.0, 6.0]))
     assert found == pytest.approx([5, 5, 5, 3, 6])

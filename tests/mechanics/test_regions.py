@@ -40,7 +40,7 @@ def test_a_side_starts_at_its_outermost_face_however_pointed_the_mesh():
 
 def test_finer_faces_take_the_region_of_those_they_are_cut_from(crooked, faces):
     cut = cut_tets(crooked, 1)
-    finer = Body(*cut, 1).boundary_faces(1.0)
+    finer = Body(cut.vertices, cut.tets, 1).boundary_faces(1.0)
     for region in (*SIDES, "0,1,0:0.5,1,1"):
         chosen = choose_faces(region, faces, 0.05)
         assert carry_over(chosen, faces, finer).sum() == 4 * chosen.sum()

@@ -1,5 +1,7 @@
 """Whole simulations: what comes out, what is written, and what is refused."""
 
+from dataclasses import replace
+
 import meshio
 import numpy as np
 import pytest
@@ -88,7 +90,7 @@ def test_an_inverted_tet_is_refused(crooked):
 
 def test_a_floating_piece_is_refused_and_can_be_left_out(crooked, bar):
     crumb = bar(1, 1, length=0.1)
-    raised = crumb._replace(vertices=crumb.vertices + np.array([0, 0.5, 0]))
+    raised = replace(crumb, vertices=crumb.vertices + np.array([0, 0.5, 0]))
     both = beside(crooked, raised, by=2.0)
     with pytest.raises(UnfitError, match=r"1 of 2 pieces \(6 of 390 tets\) are not held by 'floor'"):
         simulate(both, LoadCase())
@@ -168,6 +170,6 @@ def test_the_command_writes_a_mesh_a_picture_and_a_table(bar, tmp_path):
 )
 def test_a_mistake_is_named(bar, tmp_path, extra, words):
     body = bar(1, 1)
-    write_tets(tmp_path / "bar.vtu", SolidMesh(*body, boundary_faces(body.tets)))
+    write_tets(tmp_path / "bar.vtu", SolidMesh(body.vertices, body.tets, boundary_faces(body.tets)))
     with pytest.raises(UserError, match=words):
         CliRunner().invoke(app, ["simulate", str(tmp_path / "bar.vtu"), *extra], catch_exceptions=False)

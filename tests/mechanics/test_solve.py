@@ -45,7 +45,7 @@ def test_the_order_of_vertices_and_tets_does_not_matter(crooked, by_both):
 
 
 def test_equations_without_a_solution_are_refused(crooked):
-    body = Body(*crooked, 1)
+    body = Body(crooked.vertices, crooked.tets, 1)
     matrix, push = stiffness(body, MATERIALS["steel"]), np.ones(3 * len(body.nodes))
     with pytest.raises(UnfitError, match="not solved"):
         solve(matrix, push, np.zeros(len(push), dtype=bool), rigid_motions(body.nodes), direct_below=1)
