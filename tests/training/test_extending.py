@@ -18,8 +18,8 @@ from tetgan.models import registry
 from tetgan.models.registry import ModelOptions, find_method, load_plugins
 from tetgan.options import parse_options
 from tetgan.training.loop import KindTrainer
-from tetgan.training.options import training_class
 from tetgan.training.run import train_model
+from tetgan.training.sections import training_class
 
 NAME = "my_models.linear"
 DEFAULT = yaml.safe_load((Path(__file__).parents[2] / "config" / "config.yaml").read_text())

@@ -16,8 +16,8 @@ from tetgan.models.files import load_generator, load_surface_model
 from tetgan.models.registry import ModelOptions
 from tetgan.options import parse_options
 from tetgan.training.loop import KindTrainer
-from tetgan.training.options import training_class
 from tetgan.training.run import train_model
+from tetgan.training.sections import training_class
 
 KINDS = ("occnet", "shapegan-gan", "shapegan-vae")
 BRIEF = {
