@@ -129,13 +129,19 @@ def train_classifier(
         _take_checkpoint(options.checkpoint, categories, holdout, folder)
 
 
-def _train(learner: "ClassifierLearner", categories: Sequence[str], folder: Path) -> None:
+def _train(
+    learner: "ClassifierLearner",
+    categories: Sequence[str],
+    folder: Path,
+    checkpoint_seconds: float = 120.0,
+) -> None:
     settings = learner.options.model_dump(mode="json")
     loop = TrainingLoop(
         learner,
         folder,
         learner.options.seed,
         options={"training": settings, "categories": list(categories)},
+        checkpoint_seconds=checkpoint_seconds,
     )
 
     def save(**about: Any) -> None:

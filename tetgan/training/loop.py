@@ -2,10 +2,10 @@
 
 import logging
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 import torch
@@ -21,12 +21,6 @@ from tetgan.training.log import RunLog
 from tetgan.training.processes import process_place
 
 log = logging.getLogger(__name__)
-
-
-class Save(Protocol):
-    """Writes the trained model, whose weights the learner's generator has by then."""
-
-    def __call__(self, *, minutes: float, diverged_in_epoch: int | None) -> None: ...
 
 
 class TrainingLoop:
@@ -73,8 +67,12 @@ class TrainingLoop:
         self.step, self.seconds = 0, 0.0
         self.last_finite = LastFinite(learner.generator)
 
-    def run(self, save: Save) -> None:
+    def run(self, save: Callable[..., None]) -> None:
         """Train to the end, from the checkpoint if there is one of this very run.
+
+        Args:
+            save: writes the model, whose weights the learner's generator has by then; it is called with
+                `minutes` and `diverged_in_epoch`, None for a run that did not.
 
         Raises:
             UserError: the training diverges before anything is learnt.
@@ -131,7 +129,7 @@ class TrainingLoop:
         log.warning("diverged in epoch %d; the weights of the epoch before are kept", epoch)
         self.last_finite.diverged = epoch
 
-    def _save(self, save: Save) -> None:
+    def _save(self, save: Callable[..., None]) -> None:
         """Save the last weights, or the last finite ones."""
         self.learner.generator.load_state_dict(self.last_finite.weights)
         self.learner.finish()
