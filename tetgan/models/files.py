@@ -108,7 +108,7 @@ def load_generator(folder: Path, hierarchy: GridHierarchy) -> FieldGenerator:
 
 def _rebuild(record: dict[str, Any], hierarchy: GridHierarchy, folder: Path) -> FieldGenerator:
     """The untrained model of a record, on those that it stands on."""
-    options = parse_options(ModelOptions, record["model"], str(folder / OPTIONS))
+    options = parse_options(ModelOptions, record.get("model", {}), str(folder / OPTIONS))
     of = _rebuild(record["of"], hierarchy, folder) if "of" in record else None
     return build_generator(options, hierarchy, of)
 

@@ -76,7 +76,7 @@ class ShapeGanLearner(Learner):
 
     def _fake(self, count: int, resolution: int, draws: torch.Generator) -> Float[Tensor, "B R R R"]:
         """Generated voxels. For a gradient the network is evaluated twice rather than all of it kept."""
-        latents = self.generator.sample_latent(count, draws).to(self.device)
+        latents = torch.randn(count, *self.generator.latent_shape, generator=draws).to(self.device)
         points = torch.from_numpy(cell_centres(resolution).reshape(-1, 3)).float().to(self.device)
         shapes = [
             checkpoint(self._distances, some, points, use_reentrant=False, preserve_rng_state=False)
