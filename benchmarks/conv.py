@@ -1,8 +1,8 @@
-"""The tetrahedral convolution beside its plain form, in one run: `python -m benchmarks.conv`.
+"""Time of the tetrahedral convolution beside its plain form: `python -m benchmarks.conv`.
 
 On a CPU each run is a process of its own, so that what ran before decides nothing. Freed memory goes back to
 the kernel, as PyTorch leaves it, and the plain form pays for the pages of its large buffers each time. The
-commands keep it (tetgan/training/memory.py): the ratios with memory kept on both sides stand beside.
+commands keep it (tetgan/nn/device.py): the ratios with memory kept on both sides are beside.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""What a shape costs: its field, its place in the store and its mesh, beside brute force."""
+"""Time of a shape's field, its storage and its mesh, beside brute force."""
 
 import tempfile
 from collections.abc import Callable
@@ -138,7 +138,7 @@ def _surface_mean(field: Field, grid: TetGrid) -> float:
 
 
 def wavy_ball(faces: int) -> tuple[np.ndarray, np.ndarray]:
-    """A ball with waves on it, of about so many faces."""
+    """A ball with waves on it, of about `faces` faces."""
     side = round(np.sqrt(faces / 4))
     ball = trimesh.creation.uv_sphere(radius=0.4, count=[side, side])
     waves = 1 + 0.05 * np.sin(30 * np.asarray(ball.vertices)).sum(axis=1, keepdims=True)

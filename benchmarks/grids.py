@@ -1,4 +1,4 @@
-"""How fast grids are built, beside the same work a tet at a time."""
+"""Time to build grids, beside a loop over tets."""
 
 from typing import Annotated
 

@@ -115,7 +115,7 @@ class Outputs:
         return self.conv(x, weight), self.weight_gradient(x, other)
 
     def _product(self, x: Tensor, *size: int, by: int) -> Tensor:
-        """Of every tet and shape with so many weights."""
+        """Product of every tet's and shape's row with `by` weights."""
         self.flop += 2 * x.shape[0] * x.shape[1] * by
         return x.new_empty(*size)
 

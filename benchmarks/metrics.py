@@ -1,4 +1,4 @@
-"""What the metrics cost, beside the plain way of computing them."""
+"""Time of the metrics, beside the plain way of computing them."""
 
 from collections.abc import Callable
 from time import perf_counter, process_time

@@ -1,4 +1,4 @@
-"""The plain form of a tetrahedral convolution: what the operator of `tetgan.nn` is measured against."""
+"""Plain form of the tetrahedral convolution, the baseline of the benchmarks."""
 
 import numpy as np
 import torch

@@ -1,4 +1,4 @@
-"""One iteration of training as it is written down at first: what our step is measured against.
+"""Plain form of a training iteration, the baseline of the benchmarks.
 
 Features are (B, T, C); a convolution pads, indexes, reshapes and multiplies once; normalisation and
 activation are PyTorch's InstanceNorm1d and LeakyReLU; critics see real fields, fakes and those in between one

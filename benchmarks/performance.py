@@ -1,4 +1,4 @@
-"""Figures to a table, to plots of cost against size, and into the page that shows both."""
+"""Write figures to a table, to plots of cost against size, and into docs/performance.md."""
 
 import re
 from collections import defaultdict
@@ -36,8 +36,8 @@ def split_curves(found: Records) -> tuple[Records, Curves]:
 
 
 def table(found: Records) -> str:
-    """Markdown: a table a device, of the figures that are no points of curves."""
-    single, _ = split_curves(found)
+    """Markdown: one table per device, of the figures that have a target and are no points of curves."""
+    single = {name: each for name, each in split_curves(found)[0].items() if each["target"] is not None}
     parts = []
     rows = sorted(single.items(), key=lambda item: item[1]["device"])
     for device, group in groupby(rows, key=lambda item: item[1]["device"]):
@@ -48,15 +48,13 @@ def table(found: Records) -> str:
 
 def _row(name: str, each: Record) -> str:
     value = f"{each['value']:.3g} {each['unit']}"
-    if each["target"] is None:
-        return f"| {name} | {value} | | |"
     sign = "≥" if each["better"] == "higher" else "≤"
     verdict = "met" if is_met(each) else "**missed**"
     return f"| {name} | {value} | {sign} {each['target']:g} {each['unit']} | {verdict} |"
 
 
 def draw_figures(found: Records, folder: Path) -> list[Path]:
-    """`performance-{size}.png`: seconds against each size, a line a curve, both scales logarithmic."""
+    """`performance-{size}.png`: seconds against each size, one line per curve, both scales logarithmic."""
     _, curves = split_curves(found)
     paths = []
     for size, lines in sorted(curves.items()):

@@ -1,4 +1,4 @@
-"""What a benchmark says: a value, its unit and target, and the machine it was measured on."""
+"""Record of a benchmark: value, unit, target, and the machine it was measured on."""
 
 import os
 import platform

@@ -7,7 +7,6 @@ from collections import Counter
 from pathlib import Path
 from typing import Annotated, Any
 
-import igl
 import numpy as np
 import pandas as pd
 import typer
@@ -16,6 +15,7 @@ from pydantic import TypeAdapter
 from rich.console import Console
 from rich.progress import track
 
+from tetgan.geometry.inside import is_inside
 from tetgan.geometry.rays import Visibility
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.hierarchy import build_hierarchy
@@ -99,7 +99,7 @@ def measure(
             solid = TriangleMesh(
                 (repaired.solid.vertices - 0.5) * (1 - 2 * MARGIN) + 0.5, repaired.solid.faces
             )
-            field = igl.fast_winding_number(solid.vertices, solid.faces, points) > 0.5
+            field = is_inside(points, solid.vertices, solid.faces)
             distances = surface_distances(soup, solid)
             rows.append(
                 {

@@ -1,4 +1,4 @@
-"""Every benchmark in one run: figures beside their targets, cost against size, docs/performance.md.
+"""Run every benchmark: figures beside their targets, cost against size, docs/performance.md.
 
 python benchmarks/run.py            all, under twenty minutes on two cores; writes the files below
 python benchmarks/run.py --quick    at toy sizes, to see that everything runs; only prints
@@ -24,14 +24,14 @@ from tetgan.errors import UserError
 from tetgan.files import whole_file
 
 HERE = Path(__file__).parent
-MODULES = ("start", "grids", "fields", "simplification", "metrics", "sizes")
+MODULES = ("start", "grids", "fields", "metrics", "sizes")
 MODULES += ("conv", "step", "memory", "streaming", "solids", "simulation")
 
 log = logging.getLogger("benchmarks")
 
 
 def main(
-    quick: Annotated[bool, typer.Option(help="toy sizes; writes nothing unless told where")] = False,
+    quick: Annotated[bool, typer.Option(help="toy sizes; writes nothing unless given a folder")] = False,
     only: Annotated[str, typer.Option(help="benchmarks to run, with commas; by default all")] = "",
     out: Annotated[Path | None, typer.Option(help="figures (.json); benchmarks/latest.json")] = None,
     page: Annotated[Path | None, typer.Option(help="page to bring up to date; docs/performance.md")] = None,

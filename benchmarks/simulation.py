@@ -1,4 +1,4 @@
-"""How long a body of many tets takes to be put under load.
+"""Time to simulate a large body.
 
 python benchmarks/simulation.py --cells 10 --depth 1 --order 2
 """
@@ -8,10 +8,10 @@ from typing import Annotated
 import typer
 from records import Records, cpu_seconds, record
 
+from tetgan.geometry.tets import TetMesh
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.simulation import Simulation, simulate
-from tetgan.rendering.meshes import Solid
 
 TARGET = 60.0  # seconds for a hundred thousand tets
 
@@ -44,7 +44,7 @@ def main(
 
 def _load_cube(cells: int, depth: int, order: int) -> tuple[float, Simulation]:
     grid = build_hierarchy(cells, depth).finest
-    cube = Solid(grid.vertices, grid.tets)
+    cube = TetMesh(grid.vertices, grid.tets)
     return cpu_seconds(lambda: simulate(cube, LoadCase(order=order)))
 
 

@@ -1,4 +1,4 @@
-"""How valid solids are, what they change, and what they cost, on fields of several classes.
+"""Validity, shape change and cost of solids, on fields of several classes.
 
 python benchmarks/solids.py                                        noise, and exact shapes there and back
 python benchmarks/solids.py --model MODEL --index INDEX            and what a model samples and reconstructs

@@ -1,4 +1,4 @@
-"""How long the command line takes to answer `--help`."""
+"""Time in which the command line answers `--help`."""
 
 import subprocess
 import sys

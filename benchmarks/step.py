@@ -1,4 +1,4 @@
-"""A whole iteration of training against the plain one of `naive_step`: same losses, time and memory.
+"""Time and memory of a training iteration beside the plain one of `naive_step`, at equal losses.
 
 python benchmarks/step.py --threads 2
 

@@ -1,4 +1,4 @@
-"""Whether training waits for fields that stay on disk.
+"""Share of time that training waits for fields on disk.
 
 python benchmarks/streaming.py --cells 2 --depth 3 --batch 30 --width 64     the paper's LR
 

@@ -36,7 +36,7 @@ def distance(shape_id: str, points: np.ndarray) -> np.ndarray:
 
 
 class Store(NamedTuple):
-    """Stands for a `PointStore` or a `VoxelStore`."""
+    """Takes the place of a `PointStore` or a `VoxelStore`."""
 
     shapes: dict[str, object]
     digest: str = "made up"
@@ -71,7 +71,7 @@ def voxels() -> Store:
 
 @pytest.fixture(scope="session")
 def coarse_voxels() -> Store:
-    """Of 16 a side, for which no index stands: what suffices for a critic to grow."""
+    """Of 16 a side, without an index: what suffices for a critic to grow."""
     return Store({shape_id: voxels_of(shape_id, 16) for shape_id in SPLITS})
 
 

@@ -1,9 +1,11 @@
-"""What tests of several rooms share."""
+"""Fixtures and options shared by all tests."""
 
 import numpy as np
 import pytest
 from xdist.scheduler import LoadScopeScheduling
 
+from tetgan.fields.field import Field, vertex_operator
+from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.rendering.sheet import contact_sheet
 
 
@@ -39,3 +41,30 @@ def cells(monkeypatch) -> list[np.ndarray]:
 
     monkeypatch.setattr("tetgan.rendering.figure.contact_sheet", spy)
     return seen
+
+
+@pytest.fixture(scope="session")
+def grid():
+    return build_hierarchy(2, 1).finest
+
+
+@pytest.fixture(scope="session")
+def fine_grid():
+    return build_hierarchy(2, 2).finest
+
+
+@pytest.fixture(scope="session")
+def operator(grid):
+    return vertex_operator(grid)
+
+
+@pytest.fixture(scope="session")
+def make_field(grid):
+    """A field from a seed: a random share of the tets, displaced by a few hundredths."""
+
+    def make(seed, share=0.5):
+        rng = np.random.default_rng(seed)
+        displacement = rng.normal(scale=0.02, size=(len(grid.tets), 3)).astype(np.float32)
+        return Field(rng.random(len(grid.tets)) < share, displacement)
+
+    return make

@@ -66,7 +66,7 @@ def test_a_module_imports_only_from_rooms_above_its_own(path):
         parts = name.split(".")
         assert parts[0] != "snakemake", f"{path} imports Snakemake"
         if parts[0] == "tetgan" and len(parts) > 1:
-            assert ROOMS.index(parts[1]) <= own, f"{path} imports {name}, which stands below it"
+            assert ROOMS.index(parts[1]) <= own, f"{path} imports {name}, which is below it"
 
 
 @pytest.mark.parametrize("path", MODULES, ids=lambda path: str(path.relative_to(PACKAGE)))

@@ -8,7 +8,9 @@ from typer.testing import CliRunner
 
 from tetgan.cli import app
 
-COMMANDS = [command.name or command.callback.__name__ for command in app.registered_commands]
+COMMANDS = [
+    command.name or command.callback.__name__.replace("_", "-") for command in app.registered_commands
+]
 
 
 def run(*arguments):
@@ -40,10 +42,16 @@ def test_help_imports_nothing_heavy():
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: 1, depth: 1}"], ["absent.zip"]),
-        (["fields", "absent.zip", "out.zarr.zip", "--grid", "{cels: 1, depth: 1}"], ["--grid", "cells"]),
-        (["fields", "absent.zip", "out.zarr.zip", "--grid", "absent.yaml"], ["--grid", "absent.yaml"]),
-        (["fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: ["], ["--grid", "YAML"]),
+        (["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: 1, depth: 1}"], ["absent.zip"]),
+        (
+            ["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "{cels: 1, depth: 1}"],
+            ["--grid", "cells"],
+        ),
+        (
+            ["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "absent.yaml"],
+            ["--grid", "absent.yaml"],
+        ),
+        (["extract-fields", "absent.zip", "out.zarr.zip", "--grid", "{cells: ["], ["--grid", "YAML"]),
         (
             ["repair", "o.zip", "--category", "chair", "--source", "{kind: directory, path: absent}"],
             ["absent"],
@@ -74,8 +82,11 @@ def test_help_imports_nothing_heavy():
             ],
             ["absent"],
         ),
-        (["samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: points}"], ["absent.zip"]),
-        (["samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: rays}"], ["--sampling", "rays"]),
+        (["extract-samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: points}"], ["absent.zip"]),
+        (
+            ["extract-samplings", "absent.zip", "out.zarr.zip", "--sampling", "{kind: rays}"],
+            ["--sampling", "rays"],
+        ),
         (["train", "absent.json", "model", "--model", "{kind: pca, grid: LR}"], ["absent.json"]),
         (["train", "absent.json", "model", "--model", "{kind: occnet}"], ["absent.json"]),
         (["simplify", "absent", "out"], ["absent", "no samples"]),
@@ -84,12 +95,12 @@ def test_help_imports_nothing_heavy():
         (["pack", "absent", "absent.json", "out"], ["absent.json"]),
         (["interpolate", "absent", "absent.json", "out"], ["absent.json"]),
         (["interpolate", "absent", "absent.json", "out", "--pair", "a"], ["--pair", "'a'", "2 ids"]),
-        (["arithmetic", "absent", "absent.json", "out", "--triple", "a:b"], ["--triple", "'a:b'", "3 ids"]),
-        (["nearest", "absent.zip", "out.csv", "--catalogue", "absent.csv"], ["absent.csv"]),
+        (["add-parts", "absent", "absent.json", "out", "--triple", "a:b"], ["--triple", "'a:b'", "3 ids"]),
+        (["find-nearest", "absent.zip", "out.csv", "--catalogue", "absent.csv"], ["absent.csv"]),
         (["evaluate", "absent", "absent", "--out", "report.json"], ["absent", "no such folder"]),
         (["evaluate", "a", "b", "--out", "report.json", "--options", "{point: 3}"], ["point", "points"]),
         (["simulate", "absent.vtu"], ["error: absent.vtu: no such file"]),
-        (["resolution", "resolution.csv", "resolution.png"], ["resolution.csv", "another folder"]),
+        (["measure-resolution", "resolution.csv", "resolution.png"], ["resolution.csv", "another folder"]),
         (["sample", "chair", "out", "--mode", "smooth"], ["mode", "'paper'", "smooth"]),
     ],
 )

@@ -87,7 +87,7 @@ def test_unusable_input_is_one_line_and_status_2(tmp_path, monkeypatch, capsys, 
 
 
 def error_of(monkeypatch, capsys, *arguments):
-    """The one line on stderr, up to the first parenthesis after what is told."""
+    """The one line on stderr, up to the first parenthesis after the message."""
     from tetgan.cli import main
 
     monkeypatch.setattr(sys, "argv", ["tetgan", *map(str, arguments)])

@@ -1,83 +1,107 @@
 """The digest of code changes with what a module imports, and with nothing else."""
 
 import sys
-from pathlib import Path
 
 import pytest
 
-import tetgan.nn.backends
-from tetgan.code import _imported, code_digest
-from tetgan.models.registry import find_method
+import tetgan.code
+from tetgan.code import code_behind, code_digest
 
 FILES = {
     "__init__.py": "",
-    "entry.py": "import json\nfrom invented.near import thing\n",
+    "entry.py": "import json\nfrom invented.near import thing\nCHILD = 'invented.child'\n",
     "near.py": "def thing():\n    from . import far\n    return far\n",
     "far.py": "import numpy\n",
-    "apart.py": "",
+    "child.py": "",
+    "apart.py": "NAME = 'invented.entry is not apart'\n",
+    "pages/page.html": "<html>",
 }
 
 
 @pytest.fixture
 def package(tmp_path, monkeypatch):
-    """`entry` imports `near`, which imports `far` within a function; nothing imports `apart`."""
+    """`entry` imports `near`, which imports `far` in a function, and names `child`; nothing needs `apart`."""
     folder = tmp_path / "invented"
-    folder.mkdir()
     for name, text in FILES.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
     monkeypatch.syspath_prepend(tmp_path)
     return folder
 
 
 def test_what_is_imported_counts_and_nothing_is_executed(package):
-    found = _imported(["invented.entry"], set())
-    assert set(found) == {"invented", "invented.entry", "invented.near", "invented.far"}
+    names = {"invented", *(f"invented.{name}" for name in ("entry", "near", "far", "child"))}
+    assert code_behind("invented.entry:main").keys() == names
     assert "invented" not in sys.modules
 
 
 @pytest.mark.parametrize(
-    ("name", "counts"), [("entry.py", True), ("near.py", True), ("far.py", True), ("apart.py", False)]
+    ("name", "counts"),
+    [
+        ("__init__.py", True),
+        ("entry.py", True),
+        ("near.py", True),
+        ("far.py", True),
+        ("child.py", True),
+        ("apart.py", False),
+        ("pages/page.html", False),
+    ],
 )
-def test_an_edit_counts_where_the_module_is_imported(package, name, counts):
-    before = code_digest(["invented.entry"], ())
-    assert code_digest(["invented.entry"], ()) == before
+def test_an_edit_counts_where_the_module_is_needed(package, name, counts):
+    before = code_digest("invented.entry")
+    assert code_digest("invented.entry") == before
     (package / name).write_text(FILES[name] + "# edited\n")
-    assert (code_digest(["invented.entry"], ()) != before) == counts
+    assert (code_digest("invented.entry") != before) == counts
+
+
+def test_another_function_of_the_same_module_is_another_entry_point(package):
+    assert code_digest("invented.entry:one") != code_digest("invented.entry:two")
+    assert code_digest("invented.near", "invented.far") == code_digest("invented.far", "invented.near")
+
+
+def test_data_beside_a_module_that_names_their_folder_count(package):
+    (package / "entry.py").write_text("FOLDER = 'pages'\n")
+    before = code_digest("invented.entry")
+    assert "invented/pages/page.html" in code_behind("invented.entry")
+    (package / "pages" / "page.html").write_text("<p>")
+    assert code_digest("invented.entry") != before
+
+
+def test_a_script_counts_wherever_it_lies(package, tmp_path):
+    digests = set()
+    for folder in ("here", "there"):
+        (tmp_path / folder).mkdir()
+        script = tmp_path / folder / "draw.py"
+        script.write_text("from tetgan.rendering.view import View\n")
+        digests.add(code_digest(script))
+    assert len(digests) == 1
+    assert "tetgan.rendering.view" in code_behind(script)
+    script.write_text("from tetgan.rendering.view import View as Eye\n")
+    assert code_digest(script) not in digests
 
 
 def test_a_single_module_and_one_that_is_not_there(tmp_path, monkeypatch):
     (tmp_path / "alone_here.py").write_text("import absent_here\n")
     monkeypatch.syspath_prepend(tmp_path)
-    assert set(_imported(["alone_here", "absent_here.part"], set())) == {"alone_here"}
+    assert set(code_behind("alone_here", "absent_here.part")) == {"alone_here"}
 
 
 def test_modules_that_are_named_in_part_all_count(package):
     (package / "entry.py").write_text(
         "import importlib\ndef one(name):\n    importlib.import_module(f'invented.{name}')\n"
     )
-    assert {"invented.near", "invented.far", "invented.apart"} <= set(_imported(["invented.entry"], set()))
+    assert {"invented.near", "invented.far", "invented.apart"} <= code_behind("invented.entry").keys()
 
 
 def test_every_backend_of_the_convolution_counts():
-    backends = {path.stem for path in (Path(tetgan.nn.backends.__file__).parent).glob("*.py")} - {"__init__"}
-    assert {f"tetgan.nn.backends.{name}" for name in backends} <= behind("tetgan")
+    folder = tetgan.code._path_of("tetgan.nn.backends").parent
+    backends = {f"tetgan.nn.backends.{path.stem}" for path in folder.glob("*.py")} - {
+        "tetgan.nn.backends.__init__"
+    }
+    assert len(backends) > 3 and backends <= code_behind("tetgan.nn.conv").keys()
 
 
-def behind(kind: str) -> set[str]:
-    modules = ["tetgan.training.run", *find_method(kind).modules]
-    return set(_imported(modules, {"nn", "models", "training", "methods"}))
-
-
-def test_kinds_of_this_package_do_not_depend_on_each_other():
-    tetgan, occnet, pca = map(behind, ("tetgan", "occnet", "pca"))
-    assert {"tetgan.methods.tetgan.network", "tetgan.methods.tetgan.learner", "tetgan.nn.conv"} <= tetgan
-    assert {"tetgan.methods.occnet.network", "tetgan.methods.occnet.training"} <= occnet
-    assert not any("occnet" in name or "shapegan" in name or "deftet" in name for name in tetgan | pca)
-    assert not any(
-        "tetgan.methods.tetgan.network" in name or "tetgan.nn.conv" in name for name in occnet | pca
-    )
-    assert {"tetgan.models.files", "tetgan.training.run"} <= tetgan & occnet & pca
-
-
-def test_what_reaches_a_stage_as_its_parameters_does_not_count():
-    assert not any(name.endswith("options") or name.endswith("builtin") for name in behind("tetgan"))
+def test_options_do_not_count_nor_what_they_alone_import():
+    behind = code_behind("tetgan.mechanics.options", "tetgan.methods.tetgan.training")
+    assert "tetgan.methods.tetgan.training" in behind
+    assert not any(name.endswith("options") or name == "tetgan.mechanics.materials" for name in behind)

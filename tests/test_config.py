@@ -62,8 +62,8 @@ def test_the_written_schema_is_in_step():
         (changed(grids={"LR": {"depth": 2}}), ["grids.LR", "exactly one of 'cells' and 'file'"]),
         (changed(models={"m": {"kind": "pca", "grid": "XR"}}), ["models.m.grid", "XR"]),
         (changed(models={"m": {"kind": "magic"}}), ["models.m.kind", "'magic'", "pca", "tetgan", "plugins"]),
-        (changed(models={"m": {"grid": "LR"}}), ["models.m.kind", "a model needs the name of its kind"]),
-        (changed(models={"m": ["pca"]}), ["models.m.kind", "a model needs the name of its kind"]),
+        (changed(models={"m": {"grid": "LR"}}), ["models.m.kind", "a model needs the name of its method"]),
+        (changed(models={"m": ["pca"]}), ["models.m.kind", "a model needs the name of its method"]),
         (changed(figures={"models": ["tetgan-XR"]}), ["figures.models", "'tetgan-XR'", "tetgan-LR"]),
         (changed(figures={"models": ["occnet"]}), ["figures.models", "'occnet' is no model of fields"]),
         (changed(studies={"smoothing": {"models": ["occnet"]}}), ["studies.smoothing.models", "'occnet'"]),
@@ -75,11 +75,11 @@ def test_the_written_schema_is_in_step():
             changed(models={"m": {"kind": "tetgan", "grid": "LR", "training": {"epoch": 3}}}),
             ["models.m", "epoch", "epochs"],
         ),
-        (changed(models={"m": {"like": "tetgan-XR"}}), ["models.m.like", "'tetgan-XR' is no model"]),
-        (changed(models={"m": {"like": "n"}, "n": {"like": "m"}}), ["models.m.like", "m -> n -> m"]),
-        (changed(models={"m": {"like": "tetgan-LR", "convoluton": "tet"}}), ["models.m", "'convolution'"]),
-        (changed(models={"m": {"like": "tetgan-LR", "meshing": {"gama": 3}}}), ["models.m", "'gamma'"]),
-        (changed(models={"m": {"like": "tetgan-LR", "meshing": {"gamma": 0}}}), ["models.m", "gamma"]),
+        (changed(models={"m": {"inherit": "tetgan-XR"}}), ["models.m.inherit", "'tetgan-XR' is no model"]),
+        (changed(models={"m": {"inherit": "n"}, "n": {"inherit": "m"}}), ["models.m.inherit", "m -> n -> m"]),
+        (changed(models={"m": {"inherit": "tetgan-LR", "convoluton": "tet"}}), ["models.m", "'convolution'"]),
+        (changed(models={"m": {"inherit": "tetgan-LR", "meshing": {"gama": 3}}}), ["models.m", "'gamma'"]),
+        (changed(models={"m": {"inherit": "tetgan-LR", "meshing": {"gamma": 0}}}), ["models.m", "gamma"]),
         (changed(ablation=["tetgan-XR"]), ["ablation", "'tetgan-XR' has no entry under models"]),
         (changed(models={"m": {"kind": "deftet", "grid": "LR", "of": "pca-16"}}), ["models.m.of", "pca-16"]),
         (
@@ -102,6 +102,8 @@ def test_the_written_schema_is_in_step():
             changed(models={"m": {"kind": "simplified", "of": "occnet-simplified"}}),
             ["models.m.of", "'occnet-simplified'"],
         ),
+        (changed(models={"m": {"like": "tetgan-LR"}}), ["models.m.like", "called 'inherit'"]),
+        (changed(sampling={"count": 3}), ["config: sampling", "called 'samples'"]),
         (
             changed(models={"m": {"kind": "occnet", "training": {"epoch": 3}}}),
             ["models.m", "epoch", "epochs"],
@@ -129,8 +131,8 @@ def test_a_model_overrides_the_common_training_options():
 
 def test_a_model_like_another_says_only_what_differs():
     models = {
-        "m": {"like": "tetgan-LR", "width": 3, "training": {"epochs": 9}},
-        "n": {"like": "m", "code": 5},
+        "m": {"inherit": "tetgan-LR", "width": 3, "training": {"epochs": 9}},
+        "n": {"inherit": "m", "code": 5},
     }
     config = Config.parse(changed(models=models))
     full = config.models["tetgan-LR"]
@@ -141,7 +143,7 @@ def test_a_model_like_another_says_only_what_differs():
 
 
 def test_what_a_later_file_says_of_a_model_holds_for_those_like_it():
-    values = changed(models={"m": {"like": "tetgan-LR", "pool": "mean"}})
+    values = changed(models={"m": {"inherit": "tetgan-LR", "pool": "mean"}})
     update_config(values, {"models": {"tetgan-LR": {"width": 3}}})
     assert load_config(values)["models"]["m"]["width"] == 3
 
@@ -160,7 +162,7 @@ def test_models_of_the_ablation_stand_in_its_table_alone_but_for_the_full_one():
     assert sorted(everything) == sorted(config.models)
     kinds = [config.models[name].kind for name in everything]
     bounds = [kind in ("representation", "pca") for kind in kinds]
-    assert any(bounds) and bounds == sorted(bounds)  # the bounds stand last
+    assert any(bounds) and bounds == sorted(bounds)  # the bounds come last
 
 
 def test_changes_tell_what_an_ablation_differs_in():
@@ -212,6 +214,16 @@ def test_nothing_of_the_paper_configuration_is_smaller_than_the_paper():
     for name in ("occnet", "shapegan-gan", "shapegan-vae"):  # as public, to the last option
         own, public = config.training_of(name), type(config.training_of(name))()
         assert own == public.model_copy(update={"validate_every": own.validate_every})
+
+
+def test_critics_that_a_tetgan_lacks_are_read_from_its_training():
+    config = Config.parse(load_config(DEFAULT))
+    without = {name: config.without(name) for name in config.models}
+    assert {name: critics for name, critics in without.items() if critics} == {
+        "no-local": ["local"],
+        "no-global": ["global"],
+        "vae-only": ["local", "global"],
+    }
 
 
 def test_reductions_name_what_is_smaller_than_in_the_paper():

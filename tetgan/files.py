@@ -1,4 +1,4 @@
-"""Files that are either whole or absent."""
+"""Files and folders written whole or not at all."""
 
 import os
 import shutil
@@ -23,7 +23,7 @@ def check_suffix(path: str | Path, what: str, *suffixes: str) -> None:
 def whole_file(path: str | Path) -> Iterator[Path]:
     """Write to the yielded temporary name; `path` appears only when the block ends without an error.
 
-    The temporary name stands in the same folder, so the rename is atomic, and keeps the suffix, so that
+    The temporary name is in the same folder, so the rename is atomic, and keeps the suffix, so that
     writers which choose a format by suffix still work. Errors of the system name `path`.
     """
     path = Path(path)

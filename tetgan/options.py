@@ -1,4 +1,4 @@
-"""Base class of every set of options, and how a bad one is reported."""
+"""Base class of all options, and the report of an invalid one."""
 
 import difflib
 from typing import Any, TypeVar
@@ -22,7 +22,7 @@ class Options(BaseModel):
 
 
 def parse_options(kind: Any, values: dict[str, Any], where: str) -> Any:
-    """Options of a class, or of a union of classes told apart by a key, from plain values.
+    """Options of a class, or of a union of classes distinguished by a key, from plain values.
 
     Raises:
         UserError: the first bad key, what is wrong with it, and the nearest known key.

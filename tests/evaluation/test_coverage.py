@@ -1,4 +1,4 @@
-"""MMD, COV and 1-NNA: answers by hand, loops, and sets about which everything is known."""
+"""MMD, COV and 1-NNA: answers by hand, loops, and sets with known answers."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from tetgan.evaluation.coverage import (
 
 
 def of_points(generated: np.ndarray, real: np.ndarray) -> TwoSets:
-    """Points stand for shapes, their distance for that of shapes."""
+    """Points in place of shapes."""
     generated, real = (
         np.asarray(points, dtype=float).reshape(len(points), -1) for points in (generated, real)
     )

@@ -1,6 +1,7 @@
 """The two stages, on boxes whose measures are known."""
 
 import json
+import shutil
 
 import numpy as np
 import pandas as pd
@@ -63,7 +64,7 @@ def samples(tmp_path_factory):
                     {"set": kind, "id": shape_id, "iou": iou, "tets": 8 * made, "inverted_tets": 2 * made}
                 )
         pd.DataFrame(rows).to_csv(root / name / "certificate.csv", index=False)
-    (root / "about.json").write_text(json.dumps({"tets": 1536, "train_minutes": 2.5}))
+    (root / "about.json").write_text(json.dumps({"method": "tetgan", "tets": 1536, "train_minutes": 2.5}))
     return root
 
 
@@ -96,7 +97,7 @@ def report(measure, samples):
 
 def test_identity_comes_with_the_samples_own_account(report):
     assert report["model"] == "tetgan-LR"
-    assert (report["tets"], report["train_minutes"]) == (1536, 2.5)
+    assert (report["method"], report["tets"], report["train_minutes"]) == ("tetgan", 1536, 2.5)
     assert len(report["extractor"]["digest"]) == 12
     assert set(report["smoothings"]) == {"none", "wls"}
 
@@ -106,6 +107,45 @@ def test_missing_and_empty_meshes_are_counted(report):
     assert section["generated"] == {"expected": 6, "found": 5}
     assert section["reconstructed"] == {"expected": 2, "found": 1}
     assert section["metrics"]["chamfer"]["n"] == 1
+
+
+def test_what_has_no_surface_is_counted_where_it_can_be(report):
+    """Of two reconstructions one is perfect and one is missing; of six samples one is empty."""
+    section = report["smoothings"]["none"]
+    metrics = section["metrics"]
+    assert metrics["volume_iou"] | {"low": None, "high": None} == {
+        "value": 0.5,
+        "low": None,
+        "high": None,
+        "n": 2,
+        "std": None,
+    }
+    assert 0 < metrics["fscore"]["value"] <= 0.5
+    assert metrics["fscore"]["n"] == 2
+    assert (metrics["empty_reconstructions"]["value"], metrics["empty_reconstructions"]["n"]) == (0.5, 2)
+    assert (metrics["empty_samples"]["value"], metrics["empty_samples"]["n"]) == (pytest.approx(1 / 6), 6)
+    for name in ("chamfer", "chamfer_l1", "normal_consistency", "faces"):
+        assert metrics[name]["n"] == 1
+    assert section["notes"][0] == (
+        "1 of 2 reconstructions have no surface: Chamfer, Chamfer L1, Normals, Faces are of the others, "
+        "F-score, Volume IoU count them as 0"
+    )
+    assert any(
+        note.startswith("1 of 6 generated shapes have no surface: FID, KID,") for note in section["notes"]
+    )
+
+
+def test_nothing_is_empty_where_all_have_a_surface(measure, samples, tmp_path):
+    kept = tmp_path / "samples"
+    shutil.copytree(samples / "wls", kept / "wls")
+    certificate = kept / "wls" / "certificate.csv"
+    table = pd.read_csv(certificate, dtype={"id": str})
+    table[~table["id"].isin(["b", "5"])].to_csv(certificate, index=False)
+    section = measure(kept)["smoothings"]["wls"]
+    metrics = section["metrics"]
+    assert (metrics["empty_reconstructions"]["value"], metrics["empty_samples"]["value"]) == (0, 0)
+    assert metrics["volume_iou"]["value"] == 1
+    assert not any("no surface" in note for note in section["notes"])
 
 
 def test_a_perfect_reconstruction_measures_the_noise_floor(report):
@@ -118,7 +158,6 @@ def test_a_perfect_reconstruction_measures_the_noise_floor(report):
     assert metrics["manifold_edges"]["value"] == metrics["manifold_shapes"]["value"] == 1
     assert metrics["boundary_edges"]["value"] == metrics["nonmanifold_edges"]["value"] == 0
     assert metrics["iou"]["value"] == 0.75
-    assert metrics["volume_iou"]["value"] == 1
     assert metrics["inverted_tets"]["value"] == 0.25
 
 
@@ -178,10 +217,12 @@ def test_too_few_samples_leave_metrics_empty(measure, samples):
         "jsd",
     ):
         assert section["metrics"][metric]["value"] is None
-    assert section["notes"] == [
+    missing, sampled = section["notes"][0], section["notes"][-1]
+    assert "reconstructions have no surface" in missing and "generated shapes have no surface" in sampled
+    assert section["notes"][1:-1] == [
         "variety needs 7 surfaces and has 5",
-        "FID, KID, precision and recall need 6 surfaces on each side and have 5, 6",
-        "MMD, COV, 1-NNA and JSD need 6 surfaces on each side and have 5, 6",
+        "FID, KID, FID∞, Precision, Recall need 6 surfaces on each side and have 5, 6",
+        "MMD, COV, 1-NNA, JSD need 6 surfaces on each side and have 5, 6",
     ]
 
 
@@ -203,7 +244,7 @@ def test_real_shapes_measure_their_own_floor(originals, clouds, extractor, tmp_p
     out = tmp_path / "real.json"
     evaluate_real(shards, catalogue, clouds[0], extractor, options=OPTIONS, category="slab", out=out)
     report = json.loads(out.read_text())
-    assert (report["category"], report["model"]) == ("slab", "real")
+    assert (report["category"], report["model"], report["method"]) == ("slab", "real", "real")
     section = report["smoothings"]["none"]
     assert section["generated"] == {"expected": 6, "found": 6}
     assert section["metrics"]["chamfer"]["n"] == 2  # the validation meshes

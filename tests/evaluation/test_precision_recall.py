@@ -1,4 +1,4 @@
-"""Precision and recall: sets about which everything is known, and a loop."""
+"""Precision and recall: sets with known answers, and a loop."""
 
 import numpy as np
 import pytest

@@ -116,3 +116,6 @@ def test_a_certificate_that_is_none_says_so(tmp_path):
     (tmp_path / "certificate.csv").write_text("")
     with pytest.raises(UserError, match="not a certificate"):
         SampleFolder(tmp_path).ids("generated")
+    (tmp_path / "certificate.csv").write_text("mesh,valid\na.vtu,True\n")  # what `tetgan certify` writes
+    with pytest.raises(UserError, match="no columns 'set' and 'id'"):
+        SampleFolder(tmp_path).ids("generated")

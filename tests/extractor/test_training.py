@@ -1,4 +1,4 @@
-"""Training of the PointNet++ classifier on boxes that lie and boxes that stand."""
+"""Training of the PointNet++ classifier on flat and on upright boxes."""
 
 import hashlib
 import json

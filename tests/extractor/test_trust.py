@@ -1,4 +1,4 @@
-"""The extractor: what it writes, and that its distances deserve trust."""
+"""The extractor's files, and the order of its distances under noise."""
 
 import json
 

@@ -13,11 +13,6 @@ def hierarchy():
 
 
 @pytest.fixture(scope="session")
-def grid(hierarchy):
-    return hierarchy.finest
-
-
-@pytest.fixture(scope="session")
 def ball():
     """Vertices and faces of a ball of radius 0.4 about the centre of the cube."""
     mesh = trimesh.creation.icosphere(subdivisions=3, radius=0.4)

@@ -1,4 +1,4 @@
-"""Shards on disk, the index over them, and reading both back."""
+"""Field shards on disk, and the index over them."""
 
 import json
 import zipfile

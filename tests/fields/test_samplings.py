@@ -8,7 +8,7 @@ import pytest
 from tetgan.errors import UserError
 from tetgan.fields.options import PointOptions, VoxelOptions
 from tetgan.fields.points import draw_points
-from tetgan.fields.samplings import PointStore, VoxelStore, index_samplings, sample_shard
+from tetgan.fields.samplings import PointStore, VoxelStore, extract_samplings, index_samplings
 from tetgan.fields.voxels import sample_distance
 from tetgan.shapes.archive import write_meshes
 
@@ -36,7 +36,7 @@ def sample(meshes, folder, options):
     """The index of a sampling of those archives."""
     shards = [folder / f"{name}.zarr.zip" for name in SHARDS]
     for name, shard in zip(SHARDS, shards, strict=True):
-        sample_shard(meshes / f"{name}.zip", shard, options)
+        extract_samplings(meshes / f"{name}.zip", shard, options)
     index_samplings(shards, meshes / "catalogue.csv", options, folder / "index.json")
     return folder / "index.json"
 

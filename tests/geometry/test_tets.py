@@ -1,11 +1,11 @@
-"""Angles and radius ratios against textbook tets."""
+"""Tet meshes, and angles and radius ratios against textbook tets."""
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.geometry.tets import dihedral_angles, radius_ratios
+from tetgan.geometry.tets import TetMesh, dihedral_angles, radius_ratios
 
 REGULAR = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]])
 CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -67,3 +67,11 @@ def test_a_tet_with_a_vertex_twice_has_no_angle():
     doubled = REGULAR[[0, 1, 2, 2]]
     assert dihedral_angles(doubled, TET).min() == 0
     assert radius_ratios(doubled, TET) == 0
+
+
+def test_what_follows_from_two_tets_on_a_face():
+    mesh = TetMesh(np.concatenate([CORNER, [[1.0, 1, 1]]]), np.array([[0, 1, 2, 3], [1, 2, 3, 4]]))
+    np.testing.assert_allclose(mesh.volumes, [1 / 6, 1 / 3])
+    np.testing.assert_allclose(mesh.centroids, [[0.25, 0.25, 0.25], [0.5, 0.5, 0.5]])
+    assert mesh.neighbors.tolist() == [[1, -1, -1, -1], [-1, -1, -1, 0]]
+    assert mesh.edges.tolist() == [[0, 1], [0, 2], [0, 3], [1, 2], [1, 3], [1, 4], [2, 3], [2, 4], [3, 4]]

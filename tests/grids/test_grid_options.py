@@ -1,4 +1,4 @@
-"""From options to grids, and what is said of bad ones."""
+"""Options of grids, good and bad."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Subdivision: what it keeps, how it splits, and that it never changes."""
+"""Subdivision: volume, order of children, angles, and a digest that never changes."""
 
 import time
 

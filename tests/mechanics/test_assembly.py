@@ -5,6 +5,7 @@ import pytest
 import skfem
 from skfem.models.elasticity import linear_elasticity
 
+from tetgan.geometry.tets import TetMesh
 from tetgan.mechanics.assembly import (
     Body,
     face_weights,
@@ -16,7 +17,6 @@ from tetgan.mechanics.assembly import (
     von_mises,
 )
 from tetgan.mechanics.options import Material
-from tetgan.rendering.meshes import Solid
 
 STUFF = Material(young=1e9, poisson=0.3, density=1000)
 ORDERS = pytest.mark.parametrize("order", [1, 2])
@@ -98,6 +98,6 @@ def test_von_mises_of_known_states():
 def test_vertex_means_are_weighed_by_volume():
     # Two tets on one face, the second of twice the height of the first.
     vertices = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, -2.0]])
-    solid = Solid(vertices, np.array([[0, 1, 2, 3], [0, 2, 1, 4]]))
+    solid = TetMesh(vertices, np.array([[0, 1, 2, 3], [0, 2, 1, 4]]))
     found = to_vertices(Body(*solid, 1), np.array([3.0, 6.0]))
     assert found == pytest.approx([5, 5, 5, 3, 6])

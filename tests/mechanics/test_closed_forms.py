@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tetgan.mechanics.options import LoadCase, Material
+from tetgan.mechanics.materials import Material
+from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.simulation import GRAVITY, simulate
 
 STUFF = Material(young=1e9, poisson=0.3, density=1000)

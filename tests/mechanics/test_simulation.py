@@ -8,19 +8,21 @@ from typer.testing import CliRunner
 from tetgan.cli import app
 from tetgan.errors import UserError
 from tetgan.geometry.adjacency import boundary_faces
+from tetgan.geometry.tets import TetMesh
 from tetgan.mechanics.errors import UnfitError
-from tetgan.mechanics.options import LoadCase, Material
+from tetgan.mechanics.materials import Material
+from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.pieces import largest_piece
-from tetgan.mechanics.simulation import read_body, simulate, write_simulation
-from tetgan.rendering.meshes import Solid
+from tetgan.mechanics.simulation import simulate, write_simulation
 from tetgan.solids.export import write_tets
+from tetgan.solids.reading import read_solid
 from tetgan.solids.solid import SolidMesh
 
 
-def beside(one: Solid, other: Solid, by: float) -> Solid:
+def beside(one: TetMesh, other: TetMesh, by: float) -> TetMesh:
     """Both bodies, the other moved along x."""
     vertices = np.concatenate([one.vertices, other.vertices + np.array([by, 0, 0])])
-    return Solid(vertices, np.concatenate([one.tets, other.tets + len(one.vertices)]))
+    return TetMesh(vertices, np.concatenate([one.tets, other.tets + len(one.vertices)]))
 
 
 @pytest.fixture(scope="module")
@@ -68,11 +70,11 @@ def test_cut_tets_are_held_where_the_uncut_are(bar):
     block = bar(3, 3, length=0.3, side=1.0)
     vertices = block.vertices.copy()
     vertices[:, 1] += np.where(vertices[:, 1] < 0.1, 0.25 * vertices[:, 2], 0.0)
-    slanted = Solid(vertices, block.tets)
+    slanted = TetMesh(vertices, block.tets)
     coarse, finer = (simulate(slanted, LoadCase(reach=0.1, refine=times)) for times in (0, 1))
     assert set(map(tuple, coarse.feet.round(9))) <= set(map(tuple, finer.feet.round(9)))
     assert finer.work == pytest.approx(coarse.work, rel=0.1)
-    same = simulate(slanted, LoadCase(reach=0.1), surface=Solid(vertices.copy(), block.tets))
+    same = simulate(slanted, LoadCase(reach=0.1), surface=TetMesh(vertices.copy(), block.tets))
     np.testing.assert_allclose(same.displacement, coarse.displacement, rtol=1e-9, atol=1e-15)
 
 
@@ -80,7 +82,7 @@ def test_an_inverted_tet_is_refused(crooked):
     vertices = crooked.vertices.copy()
     vertices[np.argmin(((vertices - 0.5) ** 2).sum(axis=1))] += 0.6
     with pytest.raises(UnfitError, match="tets are inverted or flat; 'tetgan certify'") as caught:
-        simulate(Solid(vertices, crooked.tets), LoadCase())
+        simulate(TetMesh(vertices, crooked.tets), LoadCase())
     assert caught.value.kind == "inverted tets"
 
 
@@ -108,7 +110,7 @@ def test_pieces_that_touch_in_an_edge_alone_are_two(bar):
     places, merged = np.unique(vertices, axis=0, return_inverse=True)
     tets = np.concatenate([cube.tets, cube.tets + len(cube.vertices)])
     with pytest.raises(UnfitError, match="1 of 2 pieces"):
-        simulate(Solid(places, merged.reshape(-1)[tets]), LoadCase())
+        simulate(TetMesh(places, merged.reshape(-1)[tets]), LoadCase())
 
 
 @pytest.mark.parametrize(("fix", "ways"), [(["floor/y"], 3), (["floor/x"], 4), (["left/x", "floor/y"], 1)])
@@ -148,7 +150,7 @@ def test_the_command_writes_a_mesh_a_picture_and_a_table(bar, tmp_path):
     told = CliRunner().invoke(app, [*arguments, *outputs, *steel], catch_exceptions=False)
     assert told.exit_code == 0 and "largest displacement" in told.output
     assert "23.55 kg" in told.output  # 7850 times 0.3 times 0.1 squared
-    assert read_body(tmp_path / "out.vtu").tets.shape == body.tets.shape
+    assert read_solid(tmp_path / "out.vtu").tets.shape == body.tets.shape
     assert (tmp_path / "out.png").stat().st_size > 10_000 and (tmp_path / "out.csv").is_file()
 
 

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 
+from tetgan.geometry.tets import TetMesh
 from tetgan.mechanics.assembly import Body, rigid_motions, stiffness
 from tetgan.mechanics.errors import UnfitError
-from tetgan.mechanics.options import MATERIALS, LoadCase
+from tetgan.mechanics.materials import MATERIALS
+from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.simulation import simulate
 from tetgan.mechanics.solver import solve
-from tetgan.rendering.meshes import Solid
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +39,7 @@ def test_the_order_of_vertices_and_tets_does_not_matter(crooked, by_both):
     generator = np.random.default_rng(1)
     place = generator.permutation(len(crooked.vertices))
     tets = np.argsort(place)[crooked.tets][generator.permutation(len(crooked.tets))]
-    found = simulate(Solid(crooked.vertices[place], tets[:, [1, 2, 0, 3]]), LoadCase())
+    found = simulate(TetMesh(crooked.vertices[place], tets[:, [1, 2, 0, 3]]), LoadCase())
     peak = np.abs(found.displacement).max()
     np.testing.assert_allclose(found.displacement, by_both[0].displacement[place], atol=1e-9 * peak)
 

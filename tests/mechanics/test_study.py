@@ -8,13 +8,12 @@ import pytest
 
 from tetgan.errors import UserError
 from tetgan.geometry.adjacency import boundary_faces
-from tetgan.geometry.tets import tet_volumes
+from tetgan.geometry.tets import TetMesh, tet_volumes
 from tetgan.mechanics.options import LoadCase, RemeshOptions, SimulationOptions
 from tetgan.mechanics.remesh import RemeshWorker, can_remesh
 from tetgan.mechanics.simulation import simulate
-from tetgan.mechanics.study import first_standing, is_standing, study_simulation
-from tetgan.mechanics.table import write_simulation_table
-from tetgan.rendering.meshes import Solid
+from tetgan.mechanics.study import first_standing, is_standing, simulate_samples
+from tetgan.mechanics.table import tabulate_simulation
 from tetgan.solids.export import write_tets
 from tetgan.solids.solid import SolidMesh
 
@@ -29,7 +28,7 @@ def leaning(bar):
     """A column that leans so far that its middle is no longer above its foot."""
     solid = bar(4, 1, length=0.8, side=0.2)
     x, y, z = solid.vertices.T
-    return Solid(np.stack([y + 0.8 * x, x, z], axis=1), solid.tets[:, [0, 2, 1, 3]])
+    return TetMesh(np.stack([y + 0.8 * x, x, z], axis=1), solid.tets[:, [0, 2, 1, 3]])
 
 
 @pytest.fixture(scope="module")
@@ -42,9 +41,9 @@ def samples(bar, leaning, tmp_path_factory):
     broken = block.vertices.copy()
     broken[np.argmin(((broken - 0.25) ** 2).sum(axis=1))] += 0.6
     bodies = {
-        "1": Solid(broken, block.tets),
+        "1": TetMesh(broken, block.tets),
         "2": leaning,
-        "3": Solid(np.concatenate([block.vertices, crumb]), np.concatenate([block.tets, crumb_tet])),
+        "3": TetMesh(np.concatenate([block.vertices, crumb]), np.concatenate([block.tets, crumb_tet])),
         "4": block,
     }
     for name, body in bodies.items():
@@ -59,7 +58,7 @@ def samples(bar, leaning, tmp_path_factory):
 def study(samples, tmp_path_factory):
     out = tmp_path_factory.mktemp("study") / "study.csv"
     options = SimulationOptions(case=CASE, remeshed=0)
-    study_simulation(samples, out, options, {"category": "block", "model": "by-hand", "mode": "solid"})
+    simulate_samples(samples, out, options, {"category": "block", "model": "by-hand", "mode": "solid"})
     return out
 
 
@@ -75,7 +74,7 @@ def test_every_sample_has_a_row_and_a_reason(study):
 
 
 def test_the_table_counts_them(study, tmp_path):
-    write_simulation_table([study], tmp_path / "table.csv")
+    tabulate_simulation([study], tmp_path / "table.csv")
     row = pd.read_csv(tmp_path / "table.csv").iloc[0]
     assert row["seeds"] == 1 and np.isnan(row["displacement_std"])
     assert (row["n"], row["simulated"], row["failed"]) == (5, 3, 2)
@@ -91,7 +90,7 @@ def test_seeds_become_one_row_with_their_deviation(study, tmp_path):
     rows.assign(peak_displacement=3 * rows["peak_displacement"]).to_csv(tmp_path / "other.csv", index=False)
     rows.assign(mode="paper").to_csv(tmp_path / "paper.csv", index=False)
     files = [study, tmp_path / "paper.csv", tmp_path / "other.csv"]
-    write_simulation_table(files, tmp_path / "table.csv")
+    tabulate_simulation(files, tmp_path / "table.csv")
     table = pd.read_csv(tmp_path / "table.csv").set_index("mode")
     assert table["seeds"].to_dict() == {"solid": 2, "paper": 1}
     assert table["n"].to_dict() == {"solid": 10, "paper": 5}
@@ -104,7 +103,7 @@ def test_seeds_become_one_row_with_their_deviation(study, tmp_path):
 def test_a_file_that_is_no_study_is_named(tmp_path):
     (tmp_path / "other.csv").write_text("a,b\n1,2\n")
     with pytest.raises(UserError, match=r"other.csv: not a simulation study"):
-        write_simulation_table([tmp_path / "other.csv"], tmp_path / "table.csv")
+        tabulate_simulation([tmp_path / "other.csv"], tmp_path / "table.csv")
 
 
 def test_the_figure_shows_the_first_whole_one_that_stands(samples):
@@ -133,13 +132,13 @@ def test_a_column_that_leans_too_far_does_not_stand(leaning, bar):
 def test_a_folder_without_samples_is_named(tmp_path):
     (tmp_path / "none" / "generated").mkdir(parents=True)
     with pytest.raises(UserError, match="no generated samples"):
-        study_simulation(tmp_path, tmp_path / "study.csv", SimulationOptions(remeshed=0), {})
+        simulate_samples(tmp_path, tmp_path / "study.csv", SimulationOptions(remeshed=0), {})
 
 
 def test_without_pytetwild_one_line_says_so(samples, tmp_path, monkeypatch, caplog):
     monkeypatch.setattr("tetgan.mechanics.study.can_remesh", lambda: False)
     options = SimulationOptions(case=CASE, samples=5, remeshed=2)
-    study_simulation(samples, tmp_path / "study.csv", options, {})
+    simulate_samples(samples, tmp_path / "study.csv", options, {})
     told = [record.message for record in caplog.records if "pytetwild" in record.message]
     assert told == ["no sample is remeshed: pytetwild is not installed (pip install 'tetgan[remesh]')"]
     assert "difference" not in pd.read_csv(tmp_path / "study.csv")
@@ -164,7 +163,7 @@ def test_a_remeshed_block_is_the_same_block(bar, tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_the_study_compares_with_ftetwild(samples, tmp_path):
     out = tmp_path / "study.csv"
-    study_simulation(samples, out, SimulationOptions(remeshed=2), {"mode": "solid"})
+    simulate_samples(samples, out, SimulationOptions(remeshed=2), {"mode": "solid"})
     rows = pd.read_csv(out, dtype={"id": str}).set_index("id")
     assert rows["difference"].notna().tolist() == [False, False, True, True, False]
     assert rows["refined_difference"].abs().max() < 0.1

@@ -39,7 +39,7 @@ def uniform(ambient, empty=1.0):
 
 
 def pair_sharing(ambient, corners):
-    """A tet in the middle of the grid, and another with just so many of its corners."""
+    """A tet in the middle of the grid, and another with just `corners` of its corners."""
     middle = np.linalg.norm(ambient.vertices[ambient.tets].mean(axis=1) - 0.5, axis=1).argmin()
     shared = np.isin(ambient.tets[: ambient.grid_tets], ambient.tets[middle]).sum(axis=1)
     return int(middle), int(np.flatnonzero(shared == corners)[0])

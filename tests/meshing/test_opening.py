@@ -62,7 +62,7 @@ def only(ambient, *tets):
 
 
 def pair_sharing(ambient, corners):
-    """A tet in the middle of the grid, and another with just so many of its corners."""
+    """A tet in the middle of the grid, and another with just `corners` of its corners."""
     middle = np.linalg.norm(ambient.vertices[ambient.tets].mean(axis=1) - 0.5, axis=1).argmin()
     shared = np.isin(ambient.tets[: ambient.grid_tets], ambient.tets[middle]).sum(axis=1)
     return only(ambient, middle, np.flatnonzero(shared == corners)[0])
@@ -101,7 +101,7 @@ def test_what_no_pull_mends_is_mended_by_occupancy(fine_grid, ambient):
 
 
 def test_a_ring_that_touches_itself_along_an_edge(ambient):
-    # Two cubes that share an edge, and two more around through which they hang together: one piece.
+    # Two cubes that share an edge, and two more around through which they are connected: one piece.
     ring = cubes(ambient, 0b000, 0b110, 0b001, 0b101, 0b111)
     assert components(ring, ambient) == 1
     opened, left = open_all(ring, ambient)

@@ -1,4 +1,4 @@
-"""That each baseline learns: losses by hand, few shapes overfitted, each step moving what it should."""
+"""Learners of the baselines: losses by hand, few shapes overfitted, and the networks that each step moves."""
 
 import math
 
@@ -116,7 +116,7 @@ def test_a_critic_step_moves_the_critic_alone(voxels):
     generator, critic = snapshot(subject.generator), snapshot(subject.critic)
     losses = subject.take_step(ALL, 0, 0.0, step_draws(0, 0))
     assert not any(moved(subject.generator, generator))
-    # At 8³ the last convolution alone stands before the linear layers, whose last offset cancels in the gap.
+    # At 8³ the last convolution alone comes before the linear layers, whose last offset cancels in the gap.
     assert moved(subject.critic, critic) == [*(6 * [False]), *(5 * [True]), False]
     assert losses.keys() == {"gap", "penalty", "resolution", "fade"}
 

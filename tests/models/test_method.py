@@ -1,4 +1,4 @@
-"""Records of kinds: what they refuse, and what those of this package name."""
+"""Records of methods: fields refused, and those of this package."""
 
 from typing import Literal
 
@@ -44,10 +44,11 @@ def test_a_record_that_the_pipeline_could_not_use_is_refused(options, further, m
         Method(options, **({"build": "made.up:Model", "learner": "made.up:Learner"} | further))
 
 
-def test_a_record_knows_its_name_and_its_modules():
+def test_a_record_knows_its_name_and_where_its_code_begins():
     kind = Method(OnGrid, build="made.up:Model", learner=OnGrid)
     assert (kind.name, kind.trained) == ("made-up", True)
-    assert kind.modules == {"made.up", __name__}
+    here = f"{__name__}:OnGrid"
+    assert kind.entry_points == [here, "made.up:Model", here]
     assert kind.logged
 
 

@@ -15,7 +15,7 @@ from tetgan.methods.representation.options import RepresentationOptions
 from tetgan.methods.tetgan.options import TetganOptions
 from tetgan.models.files import OPTIONS, WEIGHTS, build_generator, load_generator, save_generator
 from tetgan.models.pack import INDEX, PRETRAINED, find_model, index_beside, pack_model
-from tetgan.models.samples import write_samples
+from tetgan.models.samples import sample_model
 from tetgan.models.sampling import generate_fields
 
 SHIPPED = sorted(path.parent for path in PRETRAINED.glob(f"*/{OPTIONS}"))
@@ -64,7 +64,7 @@ def test_samples_need_no_index_beside_a_packed_model(trained, tmp_path):
     _, model, index = trained
     pack_model(model, index, tmp_path / "packed")
     packed = tmp_path / "packed"
-    write_samples(packed, index_beside(packed), tmp_path / "out", count=2, options=MeshingOptions(), seed=0)
+    sample_model(packed, index_beside(packed), tmp_path / "out", count=2, options=MeshingOptions(), seed=0)
     rows = pd.read_csv(tmp_path / "out/none/certificate.csv")
     assert list(rows["set"]) == ["generated", "generated"]
     with pytest.raises(UserError, match="not packed; name with --index"):
@@ -111,7 +111,7 @@ def test_a_pretrained_model_gives_valid_solids(folder, tmp_path):
     card = (folder / "README.md").read_text()
     for heading in ("## Data", "## Licence", "## Training", "## Numbers", "## Limits"):
         assert heading in card
-    write_samples(folder, index_beside(folder), tmp_path / "out", count=3, options=MeshingOptions(), seed=0)
+    sample_model(folder, index_beside(folder), tmp_path / "out", count=3, options=MeshingOptions(), seed=0)
     for smoothing in ("none", "wls"):
         rows = pd.read_csv(tmp_path / "out" / smoothing / "certificate.csv")
         assert rows["valid"].all()

@@ -9,7 +9,7 @@ import torch
 import trimesh
 
 from tetgan.fields.options import PointOptions, VoxelOptions
-from tetgan.fields.samplings import PointStore, VoxelStore, index_samplings, sample_shard
+from tetgan.fields.samplings import PointStore, VoxelStore, extract_samplings, index_samplings
 from tetgan.meshing.options import MeshingOptions
 from tetgan.methods.occnet.options import OccNetOptions
 from tetgan.methods.shapegan.options import ShapeGanOptions
@@ -17,7 +17,7 @@ from tetgan.methods.shapegan_vae.options import ShapeGanVaeOptions
 from tetgan.models import samples
 from tetgan.models.files import build_surface_model, save_generator
 from tetgan.models.generator import ImplicitGenerator, VoxelGenerator
-from tetgan.models.samples import write_samples
+from tetgan.models.samples import sample_model
 from tetgan.models.surfaces import (
     Extraction,
     decode_surface,
@@ -84,7 +84,7 @@ def index(folder, options):
         meshes.append((shape_id, np.array(mesh.vertices) + 0.5, np.array(mesh.faces, dtype=np.int64)))
     write_meshes(folder / "1.zip", meshes, [])
     (folder / "catalogue.csv").write_text("id,split\na,train\nb,train\nc,validation\n")
-    sample_shard(folder / "1.zip", folder / "1.zarr.zip", options)
+    extract_samplings(folder / "1.zip", folder / "1.zarr.zip", options)
     index_samplings([folder / "1.zarr.zip"], folder / "catalogue.csv", options, folder / "index.json")
     return folder / "index.json"
 
@@ -157,7 +157,7 @@ def test_every_baseline_leaves_a_folder_that_evaluation_reads(kind, points, voxe
     torch.manual_seed(0)
     save_generator(tmp_path / "model", build_surface_model(CASES[kind]), CASES[kind])
     where = points if kind == "occnet" else voxels
-    write_samples(
+    sample_model(
         tmp_path / "model", where, tmp_path / "samples", count=2, options=MeshingOptions.parse({}), seed=0
     )
     table = pd.read_csv(tmp_path / "samples/none/certificate.csv", dtype={"id": str})
@@ -168,14 +168,17 @@ def test_every_baseline_leaves_a_folder_that_evaluation_reads(kind, points, voxe
     for _, row in table.iterrows():
         file = tmp_path / "samples/none" / row["set"] / f"{row['id']}.ply"
         assert file.exists() == (row["faces"] > 0)
-    assert json.loads((tmp_path / "samples/about.json").read_text()) == {"train_minutes": None}
+    assert json.loads((tmp_path / "samples/about.json").read_text()) == {
+        "method": kind,
+        "train_minutes": None,
+    }
     assert not (tmp_path / "samples/wls").exists()
 
 
 def test_a_sphere_goes_through_the_stage(points, tmp_path, monkeypatch):
     save_generator(tmp_path / "model", Sphere(), CASES["occnet"])
     monkeypatch.setattr(samples, "load_surface_model", lambda _: Sphere())
-    write_samples(
+    sample_model(
         tmp_path / "model", points, tmp_path / "samples", count=3, options=MeshingOptions.parse({}), seed=0
     )
     table = pd.read_csv(tmp_path / "samples/none/certificate.csv", dtype={"id": str})

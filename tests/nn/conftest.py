@@ -1,4 +1,4 @@
-"""Triton's kernels run on the CPU, interpreted, where there is no GPU: said before anything imports it."""
+"""Run Triton's kernels in the interpreter where there is no GPU; set before Triton is imported."""
 
 import os
 

@@ -1,18 +1,14 @@
-"""What figures read from files."""
+"""Shapes that figures read from files."""
 
 import meshio
 import numpy as np
-import pandas as pd
 import pytest
 import trimesh
 
 from tetgan.rendering.meshes import (
     cut_open,
-    finished_samples,
     read_originals,
     read_shape,
-    read_solid,
-    sample_ids,
 )
 from tetgan.shapes.archive import write_meshes
 
@@ -30,12 +26,11 @@ def test_a_surface_keeps_the_order_of_its_faces(tmp_path):
 
 def test_a_solid_and_its_halves(tmp_path):
     meshio.write(tmp_path / "a.vtu", meshio.Mesh(POINTS, [("tetra", TETS)]))
-    solid = read_solid(tmp_path / "a.vtu")
-    assert np.array_equal(solid.tets, TETS)
+    solid = tmp_path / "a.vtu"
     # Two tets that share a face: together six outer faces, one alone four.
     assert len(cut_open(solid, (1, 1, 1), 1.0).faces) == 6
     assert len(cut_open(solid, (1, 1, 1), 0.4).faces) == 4
-    assert read_solid(tmp_path / "absent.vtu") is None and cut_open(None, (1, 0, 0)) is None
+    assert cut_open(tmp_path / "absent.vtu", (1, 0, 0)) is None
 
 
 def test_originals_come_by_id_from_any_archive(tmp_path):
@@ -46,18 +41,3 @@ def test_originals_come_by_id_from_any_archive(tmp_path):
     found = read_originals(paths, ["y", "absent", "x"])
     assert found[1] is None
     assert [np.ptp(shape.vertices) for shape in found[::2]] == pytest.approx([2.0, 1.0])
-
-
-def test_ids_come_from_the_certificate_or_the_files(tmp_path):
-    (tmp_path / "none" / "generated").mkdir(parents=True)
-    for name in ("b", "a"):
-        BOX.export(tmp_path / "none" / "generated" / f"{name}.ply")
-    folder = finished_samples(tmp_path)
-    assert folder.name == "none"
-    assert sample_ids(folder, "generated", 1) == ["a"]
-    (tmp_path / "wls").mkdir()
-    folder = finished_samples(tmp_path)
-    table = pd.DataFrame({"set": ["generated", "reconstructed", "generated"], "id": ["0001", "x", "0002"]})
-    table.to_csv(folder / "certificate.csv", index=False)
-    assert folder.name == "wls"
-    assert sample_ids(folder, "generated") == ["0001", "0002"]

@@ -1,3 +1,5 @@
+"""Ray-cast pictures of triangles."""
+
 import numpy as np
 import pytest
 import trimesh

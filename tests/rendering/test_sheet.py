@@ -1,3 +1,5 @@
+"""Contact sheets and their files."""
+
 import numpy as np
 import pytest
 from PIL import Image

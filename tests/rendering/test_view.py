@@ -1,3 +1,5 @@
+"""The camera that figures share."""
+
 import numpy as np
 import pytest
 import trimesh

@@ -1,11 +1,11 @@
-"""The made-up results, captions, and the page of them."""
+"""Made-up results, captions, and their page."""
 
 import numpy as np
 import pytest
 from made_up import CONFIG, write_results
 
 from tetgan.grids.hierarchy import build_hierarchy
-from tetgan.report.page import write_report
+from tetgan.report.page import report_page
 
 
 @pytest.fixture(scope="session")
@@ -34,5 +34,5 @@ def captions(tmp_path_factory):
 @pytest.fixture(scope="session")
 def page(results, captions, tmp_path_factory):
     out = tmp_path_factory.mktemp("page") / "report.html"
-    write_report(results, out, config=CONFIG, captions=captions)
+    report_page(results, out, config=CONFIG, captions=captions)
     return out

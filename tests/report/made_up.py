@@ -1,4 +1,4 @@
-"""A made-up folder of results, with text in it that means harm."""
+"""A made-up folder of results, hostile text included."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The captions that ship: one for every table and figure of the workflow, with nothing missing in it."""
+"""Captions that ship: one for every table and figure of the workflow, each filled in."""
 
 import re
 from pathlib import Path
@@ -32,7 +32,7 @@ def test_every_table_has_its_own_caption(tmp_path):
         table.name: table.caption for table in read_tables(tmp_path, ["chair"], WORKFLOW / "report", CONFIG)
     }
     assert shown.keys() == {*TABLES, "chair"} and all(shown.values())
-    assert shown["variety"].startswith("<p>variety of benches")
+    assert shown["variety"].startswith("<p>variety of every category")
     assert "on chair:" in shown["ablation"] and "every model of chair" in shown["chair"]
     assert shown["simulation"].startswith("<p>Samples of each model, smoothed")
 

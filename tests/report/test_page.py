@@ -10,7 +10,7 @@ from made_up import CONFIG, EVIL
 
 from tetgan.errors import UserError
 from tetgan.report import figures, solids
-from tetgan.report.page import MOST_BYTES, write_report
+from tetgan.report.page import MOST_BYTES, report_page
 
 VOID = {"meta", "link", "img", "input", "br", "hr"}
 
@@ -138,7 +138,7 @@ def test_provenance_names_seeds_versions_times_and_the_config(read):
 
 def test_the_same_results_give_the_same_page(page, results, captions, tmp_path):
     again = tmp_path / "again.html"
-    write_report(results, again, config=CONFIG, captions=captions)
+    report_page(results, again, config=CONFIG, captions=captions)
     assert again.read_bytes() == page.read_bytes()
 
 
@@ -155,7 +155,7 @@ def test_an_evil_id_of_a_solid_stays_data(results, ball, captions, tmp_path):
     into.mkdir(parents=True)
     evil = "<!--<script>&quot;"
     (into / f"{evil}.vtu").write_bytes(from_files.read_bytes())
-    write_report(tmp_path, tmp_path / "report.html", config={}, captions=None)
+    report_page(tmp_path, tmp_path / "report.html", config={}, captions=None)
     read = Reader((tmp_path / "report.html").read_text())
     packed = json.loads(next(part["text"] for part in read.all("script") if "type" in part))
     assert packed[0]["solids"][0]["id"] == evil
@@ -163,13 +163,13 @@ def test_an_evil_id_of_a_solid_stays_data(results, ball, captions, tmp_path):
 
 def test_an_empty_folder_is_an_error_that_says_what_is_missing(tmp_path):
     with pytest.raises(UserError, match="no tables"):
-        write_report(tmp_path, tmp_path / "report.html", config={}, captions=None)
+        report_page(tmp_path, tmp_path / "report.html", config={}, captions=None)
     assert not (tmp_path / "report.html").exists()
 
 
 def test_tables_alone_make_a_page(tmp_path):
     (tmp_path / "tables").mkdir()
     (tmp_path / "tables/one.csv").write_text("a,b\n1,2\n")
-    write_report(tmp_path, tmp_path / "report.html", config={}, captions=None)
+    report_page(tmp_path, tmp_path / "report.html", config={}, captions=None)
     read = Reader((tmp_path / "report.html").read_text())
     assert not read.all("canvas") and not read.all("script")

@@ -1,4 +1,4 @@
-"""A child of repair that misbehaves when told to, by the first coordinate of the mesh."""
+"""A child process of repair that misbehaves on demand, by the first coordinate of the mesh."""
 
 import ctypes
 import os

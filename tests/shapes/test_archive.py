@@ -1,3 +1,5 @@
+"""Shards of repaired meshes on disk."""
+
 from pathlib import Path
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Built-in shapes of every category."""
+
 import itertools
 
 import numpy as np
@@ -7,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from tetgan.errors import UserError
+from tetgan.geometry.triangles import join_meshes
 from tetgan.shapes.builtin.generate import CATEGORIES, FLAWED_SHARE, MAKERS, damage_parts, generate_shape
-from tetgan.shapes.builtin.parts import join_parts
 
 # Chamfer distance of two samples of one surface, 10,000 points each, in the unit cube.
 NOISE_FLOOR = 2e-4
@@ -70,7 +72,8 @@ def test_flaws_strike_their_share_and_add_no_surface():
     struck = 0
     for index in range(200):
         parts, _ = MAKERS["table"](np.random.default_rng(index))
-        sound, flawed = join_parts(parts), join_parts(damage_parts(np.random.default_rng([index, 1]), parts))
+        damaged = damage_parts(np.random.default_rng([index, 1]), parts)
+        sound, flawed = join_meshes(parts), join_meshes(damaged)
         assert np.array_equal(sound.vertices, flawed.vertices)
         assert set(map(frozenset, flawed.faces.tolist())) <= set(map(frozenset, sound.faces.tolist()))
         struck += not np.array_equal(sound.faces, flawed.faces)

@@ -1,7 +1,10 @@
+"""Parts that built-in shapes are made of."""
+
 import numpy as np
 import pytest
 import trimesh
 
+from tetgan.geometry.triangles import join_meshes
 from tetgan.shapes.builtin import parts
 
 ARC = np.linspace(0, 1, 9)
@@ -65,6 +68,6 @@ def test_a_sheet_is_open():
 
 
 def test_joined_parts_keep_their_own_vertices():
-    joined = parts.join_parts([CLOSED["box"], CLOSED["bar"]])
+    joined = join_meshes([CLOSED["box"], CLOSED["bar"]])
     assert len(joined.vertices) == len(CLOSED["box"].vertices) + len(CLOSED["bar"].vertices)
     assert as_mesh(joined).body_count == 2

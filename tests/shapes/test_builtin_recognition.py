@@ -1,4 +1,4 @@
-"""A public PointNet trained on ModelNet40 must take the built-in shapes for what they are."""
+"""A public PointNet trained on ModelNet40 recognises the built-in shapes."""
 
 from itertools import pairwise
 from pathlib import Path

@@ -1,3 +1,5 @@
+"""Shapes that a source lists, and their names."""
+
 import string
 
 from hypothesis import given, settings

@@ -1,4 +1,4 @@
-"""What counts as hollow, on solids whose walls are built at a thickness."""
+"""Hollow shapes are found, on solids with walls of known thickness."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,7 @@ def _volume(soup: TriangleMesh) -> float:
 
 
 def _cup(wall: float, opening: float, depth: float = 1.0) -> TriangleMesh:
-    """Closed surface of a jar of radius 0.5 standing open at the top, with walls of a thickness."""
+    """Closed surface of a jar of radius 0.5 open at the top, with walls of a thickness."""
     inner = 0.5 - wall
     profile = [(1e-6, 0.0), (0.5, 0.0), (0.5, depth), (opening, depth), (opening, depth - wall)]
     return lathe([*profile, (inner, depth - wall), (inner, wall), (1e-6, wall)])

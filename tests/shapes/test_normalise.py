@@ -1,3 +1,5 @@
+"""Shapes in the unit cube."""
+
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pytest
 from soups import box, join, lathe, without_side
-from test_soup import BROKEN, REASONS
+from test_cleaning import BROKEN, REASONS
 
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.cleaning import ShapeError
@@ -87,14 +87,6 @@ def test_filling_can_be_turned_off_and_the_hollow_is_still_reported() -> None:
     assert repaired.volume < 0.2
 
 
-def test_a_result_can_be_simplified() -> None:
-    options = _OPTIONS["manifold"].model_copy(update={"simplify_faces": 500})
-    with RepairWorker(options) as worker:
-        repaired = repair_shape(box(), worker, options)
-    assert len(repaired.solid.faces) <= 500
-    assert check_solid(repaired.solid) == repaired.volume
-
-
 @pytest.mark.parametrize("name", sorted(BROKEN))
 def test_no_broken_shape_reaches_the_libraries(monkeypatch, name: str) -> None:
     monkeypatch.setattr(RepairWorker, "repair", lambda *_: pytest.fail("a broken shape got through"))
@@ -106,6 +98,7 @@ def test_no_broken_shape_reaches_the_libraries(monkeypatch, name: str) -> None:
     ("returned", "reason"),
     [
         (without_side(box(), 1, 1), "not watertight"),
+        (_flip(box(), np.arange(12) == 5), "not watertight"),
         (_flip(box(), np.ones(12, dtype=bool)), "no volume"),
         (TriangleMesh(np.full((8, 3), np.nan), box().faces), "no finite surface"),
         (TriangleMesh(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)), "no finite surface"),

@@ -1,4 +1,4 @@
-"""From a folder to a catalogue and clouds: whatever one mesh does, the category goes on."""
+"""A folder of meshes becomes a catalogue and clouds; a bad mesh never stops a category."""
 
 import sys
 from pathlib import Path
@@ -14,7 +14,8 @@ from tetgan.errors import UserError
 from tetgan.shapes import shards
 from tetgan.shapes.archive import read_meshes, read_records
 from tetgan.shapes.catalogue import gather_catalogue, read_catalogue
-from tetgan.shapes.clouds import read_clouds, sample_clouds
+from tetgan.shapes.cloud_sampling import sample_clouds
+from tetgan.shapes.clouds import read_clouds
 from tetgan.shapes.entries import ShapeEntry
 from tetgan.shapes.isolation import RepairWorker
 from tetgan.shapes.options import BuiltinSource, DirectorySource, RepairOptions, SplitOptions
@@ -185,7 +186,9 @@ def test_a_shard_is_written_as_three_of_sixteen(shard: str) -> None:
 @pytest.mark.parametrize("content", ["garbage", "id,shape\na,b\n", "", "a,b\n1,2,3\n1,2,3,4\n"])
 def test_a_file_that_is_no_catalogue_is_named(tmp_path: Path, content: str) -> None:
     (tmp_path / "other.csv").write_text(content)
-    with pytest.raises(UserError, match=r"other\.csv: not a catalogue .*; make it with 'tetgan catalogue'"):
+    with pytest.raises(
+        UserError, match=r"other\.csv: not a catalogue .*; make it with 'tetgan gather-catalogue'"
+    ):
         read_catalogue(tmp_path / "other.csv")
 
 

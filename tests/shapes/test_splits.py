@@ -1,3 +1,5 @@
+"""Training, validation and hold-out split."""
+
 from collections import Counter
 
 from hypothesis import given, settings

@@ -78,7 +78,7 @@ def by_libigl_mesh(path):
 
 
 def by_abaqus_rules(path):
-    """Keyword lines begin with a star; below them stand numbers, first that of the node or element."""
+    """Keyword lines begin with a star; below them are numbers, first that of the node or element."""
     parts, keyword = {}, ""
     for line in path.read_text().splitlines():
         if line.startswith("*"):

@@ -1,4 +1,4 @@
-"""Thickness of shapes that everybody can measure."""
+"""Thickness of shapes with known answers."""
 
 import numpy as np
 import pytest

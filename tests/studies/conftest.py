@@ -1,4 +1,4 @@
-"""Simple solids; seats made of boxes, their meshes, fields, and a model that knows them by heart."""
+"""Simple solids, meshes and fields of box-shaped seats, and a model that has memorised them."""
 
 from pathlib import Path
 

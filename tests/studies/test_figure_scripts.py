@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 
 from tetgan.meshing.options import MeshingOptions
-from tetgan.models.samples import write_samples
-from tetgan.studies.latent.arithmetic import write_arithmetic
-from tetgan.studies.latent.interpolation import write_interpolations
-from tetgan.studies.latent.nearest import write_nearest
+from tetgan.models.samples import sample_model
+from tetgan.studies.latent.arithmetic import add_parts
+from tetgan.studies.latent.interpolation import interpolate_shapes
+from tetgan.studies.latent.nearest import find_nearest_shapes
 from tetgan.studies.options import LatentOptions, NearestOptions
 
 SCRIPTS = Path(__file__).parent.parent.parent / "workflow" / "scripts"
@@ -26,13 +26,13 @@ def made(project, model, tmp_path_factory) -> Path:
     """Samples, an interpolation, a sum, nearest shapes and a log."""
     folder = tmp_path_factory.mktemp("made")
     index, meshing = project / "index.json", MeshingOptions()
-    write_samples(model, index, folder / "samples", count=4, options=meshing, seed=0)
-    write_interpolations(model, index, folder / "between", options=LATENT, meshing=meshing)
-    write_arithmetic(model, index, folder / "sums", options=LATENT, meshing=meshing)
+    sample_model(model, index, folder / "samples", count=4, options=meshing, seed=0)
+    interpolate_shapes(model, index, folder / "between", options=LATENT, meshing=meshing)
+    add_parts(model, index, folder / "sums", options=LATENT, meshing=meshing)
     nearest = NearestOptions(points=300)
     for name, samples in (("model", folder / "samples"), ("real", None)):
         out = folder / f"{name}.csv"
-        write_nearest(
+        find_nearest_shapes(
             [project / "meshes.zip"], project / "catalogue.csv", out, samples=samples, options=nearest
         )
     log = {"seconds": [60, 120], "occupancy_loss": [1.0, 0.5], "validation_iou": [0.2, 0.4]}
@@ -50,11 +50,11 @@ def draw(made, project, tmp_path, monkeypatch):
         out = tmp_path / f"{name}.png"
         job = SimpleNamespace(
             input=SimpleNamespace(meshes=[str(project / "meshes.zip")], **inputs),
-            params=SimpleNamespace(names=["a-model"], columns=4, seeds=[0]),
+            params=SimpleNamespace(figure=name, names=["a-model"], columns=4, seeds=[0]),
             output=SimpleNamespace(picture=str(out)),
             log=[str(tmp_path / "log")],
         )
-        runpy.run_path(str(SCRIPTS / f"draw_{name}.py"), init_globals={"snakemake": job})
+        runpy.run_path(str(SCRIPTS / "draw.py"), init_globals={"snakemake": job})
         return np.asarray(Image.open(out)), pd.read_csv(out.with_suffix(".csv"), dtype={"id": str})
 
     return run
@@ -100,7 +100,7 @@ def test_solids(draw, cells, made):
     _, table = draw("solids", samples=[str(made / "samples")])
     shown = np.array(with_a_shape(cells)).reshape(3, 6)
     assert shown[:, :-1].all()
-    assert len(table) == 3 and (table["voids"] == 0).all()
+    assert len(table) == 3 and (table["cavities"] == 0).all()
 
 
 def test_nearest(draw, cells, made):

@@ -13,8 +13,8 @@ from tetgan.meshing.options import MeshingOptions
 from tetgan.models.files import load_generator
 from tetgan.models.sampling import reconstruct_fields
 from tetgan.solids.export import write_surface
-from tetgan.studies.latent.arithmetic import changed_faces, write_arithmetic
-from tetgan.studies.latent.interpolation import write_interpolations
+from tetgan.studies.latent.arithmetic import add_parts, changed_faces
+from tetgan.studies.latent.interpolation import interpolate_shapes
 from tetgan.studies.options import LatentOptions
 
 OPTIONS = LatentOptions(pairs=1, steps=3, triples=1, points=500)
@@ -27,7 +27,7 @@ def run(stage, project, model, folder, options=OPTIONS, **named):
 
 def test_an_interpolation_begins_and_ends_with_the_reconstructions(project, model, store, tmp_path):
     ids = ["wide", "narrow"]
-    folder = run(write_interpolations, project, model, tmp_path / "out", pairs=[tuple(ids)])
+    folder = run(interpolate_shapes, project, model, tmp_path / "out", pairs=[tuple(ids)])
     generator, grid = load_generator(model, store.hierarchy), store.hierarchy.finest
     operator = vertex_operator(grid)
     for name, (shape_id, field, _) in zip(
@@ -46,7 +46,7 @@ def test_an_interpolation_begins_and_ends_with_the_reconstructions(project, mode
 
 
 def test_the_distances_of_the_steps_fit_together(project, model, tmp_path):
-    folder = run(write_interpolations, project, model, tmp_path / "out", pairs=[("wide-back", "narrow")])
+    folder = run(interpolate_shapes, project, model, tmp_path / "out", pairs=[("wide-back", "narrow")])
     steps = pd.read_csv(folder / "steps.csv")
     assert np.isnan(steps["chamfer_step"][0]) and (steps["chamfer_step"][1:] > 0).all()
     assert steps["chamfer_first"][0] == steps["chamfer_second"][2] == 0
@@ -57,7 +57,7 @@ def test_the_distances_of_the_steps_fit_together(project, model, tmp_path):
 
 def test_a_minus_a_plus_c_is_c_to_the_byte(project, model, tmp_path):
     triples = [("wide", "wide", "narrow")]
-    folder = run(write_arithmetic, project, model, tmp_path / "out", triples=triples)
+    folder = run(add_parts, project, model, tmp_path / "out", triples=triples)
     inner = folder / "wide-minus-wide-plus-narrow"
     assert (inner / "D.ply").read_bytes() == (inner / "C.ply").read_bytes()
     with np.load(inner / "changes.npz") as changes:
@@ -68,7 +68,7 @@ def test_a_minus_a_plus_c_is_c_to_the_byte(project, model, tmp_path):
 
 
 def test_a_back_is_put_onto_the_narrow_stool(project, model, tmp_path):
-    folder = run(write_arithmetic, project, model, tmp_path / "out")
+    folder = run(add_parts, project, model, tmp_path / "out")
     row = pd.read_csv(folder / "triples.csv").iloc[0]
     assert (row["a"], row["b"], row["c"]) == ("wide-back", "wide", "narrow")
     # The model is linear and exact: D is C with the whole back of A, wide as that is.
@@ -82,7 +82,7 @@ def test_a_back_is_put_onto_the_narrow_stool(project, model, tmp_path):
 
 
 def test_the_same_seed_gives_the_same_files(project, model, tmp_path):
-    one, other = (run(write_interpolations, project, model, tmp_path / name) for name in "ab")
+    one, other = (run(interpolate_shapes, project, model, tmp_path / name) for name in "ab")
     for path in sorted(one.rglob("*")):
         if path.is_file():
             assert path.read_bytes() == (other / path.relative_to(one)).read_bytes()
@@ -90,7 +90,7 @@ def test_the_same_seed_gives_the_same_files(project, model, tmp_path):
 
 def test_a_shape_that_is_not_there_is_named(project, model, tmp_path):
     with pytest.raises(UserError, match="no shape 'sofa'"):
-        run(write_interpolations, project, model, tmp_path / "out", pairs=[("wide", "sofa")])
+        run(interpolate_shapes, project, model, tmp_path / "out", pairs=[("wide", "sofa")])
 
 
 def test_faces_beyond_the_threshold_have_changed():

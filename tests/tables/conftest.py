@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from clouds import clouds, extractor  # noqa: F401
 
 PAPER = Path(__file__).parents[2] / "workflow" / "resources" / "paper_tables.csv"
 
@@ -18,13 +19,15 @@ def paper() -> Path:
 def report():
     """Makes the report of a model; a metric is (value, low, high, std, n), as far as it is known."""
 
-    def make(category: str, model: str, seed: int = 0, notes=(), digest: str = "abc", **metrics) -> dict:
+    def make(
+        category: str, model: str, seed: int = 0, *, notes=(), digest: str = "abc", method=None, **metrics
+    ) -> dict:
         names = ("value", "low", "high", "std", "n")
         estimates = {
             name: dict.fromkeys(names) | dict(zip(names, values, strict=False))
             for name, values in metrics.items()
         }
-        representation, real = model.startswith("representation"), model == "real"
+        method = method or model.partition("-")[0]
         section = {
             "metrics": estimates,
             "generated": {"expected": 8, "found": 7},
@@ -33,14 +36,15 @@ def report():
         common = {
             "category": category,
             "model": model,
+            "method": method,
             "options": {"bootstrap": {"level": 0.95}},
             "extractor": {"digest": digest, "accuracy": 0.9, "categories": ["bench", "vase"]},
         }
-        if real:
+        if method == "real":
             return common | {"smoothings": {"none": section}}
         section["reconstructed"] = {"expected": 2, "found": 2}
         own = {"grid": model[-2:], "tets": 10, "mode": "paper", "seed": seed, "reduced": "depth 2 (paper 3)"}
-        own["train_minutes"] = None if representation else 3.0
+        own["train_minutes"] = None if method == "representation" else 3.0
         return common | own | {"smoothings": {"none": section}}
 
     return make

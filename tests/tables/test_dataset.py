@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.dataset import count_shapes, write_dataset
+from tetgan.tables.dataset import count_shapes, tabulate_dataset
 
 ROWS = [
     # status, split, reason
@@ -33,7 +33,7 @@ def write_catalogue(path):
 def dataset(tmp_path, paper, read):
     def make(*categories):
         catalogues = [write_catalogue(tmp_path / category / "catalogue.csv") for category in categories]
-        write_dataset(catalogues, paper, tmp_path / "dataset.csv")
+        tabulate_dataset(catalogues, paper, tmp_path / "dataset.csv")
         return read(tmp_path / "dataset.csv")
 
     return make
@@ -73,4 +73,4 @@ def test_nothing_of_a_kind_is_zero_where_the_catalogue_is_known():
 def test_two_catalogues_of_a_category_are_refused(tmp_path, paper):
     paths = [write_catalogue(tmp_path / name / "chair" / "catalogue.csv") for name in "ab"]
     with pytest.raises(UserError, match="second catalogue of 'chair'"):
-        write_dataset(paths, paper, tmp_path / "dataset.csv")
+        tabulate_dataset(paths, paper, tmp_path / "dataset.csv")

@@ -1,8 +1,8 @@
-"""The manifold table: which shapes the edges belong to, and the two figures that the paper states."""
+"""The manifold table: its meshes, and the two figures that the paper states."""
 
 import pytest
 
-from tetgan.tables.manifold import write_manifold
+from tetgan.tables.manifold import tabulate_manifold
 
 EDGES = {"manifold_edges": (0.98, 0.97, 0.99, None, 7), "boundary_edges": (0,), "nonmanifold_edges": (0.02,)}
 
@@ -10,7 +10,7 @@ EDGES = {"manifold_edges": (0.98, 0.97, 0.99, None, 7), "boundary_edges": (0,), 
 @pytest.fixture
 def manifold(tmp_path, paper, write, read):
     def make(reports):
-        write_manifold(write(reports), paper, tmp_path / "manifold.csv")
+        tabulate_manifold(write(reports), paper, tmp_path / "manifold.csv")
         return read(tmp_path / "manifold.csv")
 
     return make
@@ -29,6 +29,20 @@ def test_ground_truth_and_generated_chairs_stand_beside_the_papers_figures(manif
     assert set(table["boundary_edges"]) == {"0.0"}  # measured, not missing
     assert set(table["n"]) == {"7"}
     assert "0.98 [0.97, 0.99] (paper 98.5%)" in text
+
+
+def test_the_method_decides_which_shapes_the_edges_belong_to(manifold, report):
+    reports = [
+        report("chair", "my-net", method="tetgan", **EDGES),
+        report("chair", "my-fields", method="representation", **EDGES),
+        report("chair", "tetgan-like", method="other", **EDGES),
+    ]
+    table, _ = manifold(reports)
+    assert table[["model", "shapes", "manifold_edges_paper"]].to_numpy().tolist() == [
+        ["my-net", "generated", "98.5%"],
+        ["tetgan-like", "generated", ""],
+        ["my-fields", "ground truth", "98.9%"],
+    ]
 
 
 def test_the_paper_states_nothing_of_other_categories(manifold, report):

@@ -10,7 +10,7 @@ from tetgan.errors import UserError
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.solids.record import quality_record
 from tetgan.solids.solid import SolidMesh
-from tetgan.tables.quality import IDENTITY, write_quality
+from tetgan.tables.quality import IDENTITY, tabulate_quality
 
 CORNER = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
 TET = np.array([[0, 1, 2, 3]])
@@ -22,7 +22,7 @@ EMPTY = quality_record(SolidMesh(np.empty((0, 3)), TET[:0], TET[:0, :3]))
 def sampled(tmp_path):
     """Makes a folder of samples without meshes; a row is what differs from the certificate of one tet."""
 
-    def make(category, model, seed, mode, *, none, wls=None):
+    def make(category, model, seed, mode, *, none, wls=None, method="tetgan"):
         folder = tmp_path / "samples" / category / model / str(seed) / mode
         for smoothing, kinds in (("none", none), ("wls", wls)):
             if kinds is None:
@@ -34,7 +34,7 @@ def sampled(tmp_path):
             ]
             (folder / smoothing).mkdir(parents=True)
             pd.DataFrame(rows).to_csv(folder / smoothing / "certificate.csv", index=False)
-        (folder / "about.json").write_text(json.dumps({"tets": 192}))
+        (folder / "about.json").write_text(json.dumps({"tets": 192, "method": method}))
         return folder
 
     return make
@@ -43,7 +43,7 @@ def sampled(tmp_path):
 @pytest.fixture
 def quality(tmp_path, paper, read):
     def make(*folders):
-        write_quality(folders, paper, tmp_path / "quality.csv")
+        tabulate_quality(folders, paper, tmp_path / "quality.csv")
         return read(tmp_path / "quality.csv")
 
     return make
@@ -109,21 +109,23 @@ def test_intervals_hold_what_they_are_of_and_narrow_with_more_meshes(sampled, qu
 def test_shapes_smoothings_and_seeds(sampled, quality):
     kinds = {"generated": [{}, {}], "reconstructed": [{}]}
     folders = [
-        sampled("chair", "tetgan-LR", seed, "paper", none=kinds, wls={"generated": [{"cavities": 1}, {}]})
+        sampled("chair", "my-net", seed, "paper", none=kinds, wls={"generated": [{"cavities": 1}, {}]})
         for seed in (0, 1)
     ]
-    truth = sampled("chair", "representation-LR", 0, "paper", none=kinds)
-    other = sampled("vase", "tetgan-LR", 0, "paper", none=kinds)
-    table, _ = quality(*folders, truth, other)
+    truth = sampled("chair", "my-fields", 0, "paper", none=kinds, method="representation")
+    named = sampled("chair", "tetgan-like", 0, "paper", none={"generated": [{}]}, method="other")
+    other = sampled("vase", "my-net", 0, "paper", none=kinds)
+    table, _ = quality(*folders, truth, named, other)
     columns = ["category", "model", "smoothing", "shapes", "seeds", "n", "cavities", "manifold_edges_paper"]
     assert table[columns].to_numpy().tolist() == [
-        ["chair", "tetgan-LR", "none", "generated", "2", "4", "0", "98.5%"],
-        ["chair", "tetgan-LR", "none", "reconstructed", "2", "2", "0", ""],
-        ["chair", "tetgan-LR", "wls", "generated", "2", "4", "2", "98.5%"],
-        ["chair", "representation-LR", "none", "training", "1", "2", "0", "98.9%"],
-        ["chair", "representation-LR", "none", "validation", "1", "1", "0", ""],
-        ["vase", "tetgan-LR", "none", "generated", "1", "2", "0", ""],
-        ["vase", "tetgan-LR", "none", "reconstructed", "1", "1", "0", ""],
+        ["chair", "my-net", "none", "generated", "2", "4", "0", "98.5%"],
+        ["chair", "my-net", "none", "reconstructed", "2", "2", "0", ""],
+        ["chair", "my-net", "wls", "generated", "2", "4", "2", "98.5%"],
+        ["chair", "my-fields", "none", "training", "1", "2", "0", "98.9%"],
+        ["chair", "my-fields", "none", "validation", "1", "1", "0", ""],
+        ["chair", "tetgan-like", "none", "generated", "1", "1", "0", ""],
+        ["vase", "my-net", "none", "generated", "1", "2", "0", ""],
+        ["vase", "my-net", "none", "reconstructed", "1", "1", "0", ""],
     ]
 
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.runtime import BENCHMARKS, COLUMNS, write_runtime
+from tetgan.tables.runtime import BENCHMARKS, COLUMNS, tabulate_runtime
 
 HEAD = "s\th:m:s\tmax_rss\tmax_vms\tmax_uss\tmax_pss\tio_in\tio_out\tmean_load\tcpu_time\n"
 SHARDS = 2
@@ -41,7 +41,7 @@ def runtime(tmp_path, results, paper, write, read):
             path = results / "benchmarks" / f"{place}.tsv"
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(HEAD + text)
-        write_runtime(write(reports), results, paper, SHARDS, tmp_path / "runtime.csv")
+        tabulate_runtime(write(reports), results, paper, SHARDS, tmp_path / "runtime.csv")
         table, text = read(tmp_path / "runtime.csv")
         assert tuple(table.columns) == COLUMNS
         names = table["model"].where(table["model"] != "", table["grid"])
@@ -108,6 +108,17 @@ def test_seeds_are_averaged_and_the_log_tells_the_time_of_training(runtime, repo
     assert (sampled["mode"], sampled["shapes"], sampled["seconds_a_shape"]) == ("paper", "10", "4.0")
     assert (sampled["train_minutes"], sampled["paper"]) == ("", "")
     assert "15 ± 7.07" in text
+
+
+def test_the_paper_states_the_time_of_its_method_whatever_the_model_is_called(runtime, report):
+    reports = [
+        report("chair", "my-net", method="tetgan"),
+        report("chair", "tetgan-like", method="pca"),
+    ]
+    table, _ = runtime(reports, {})
+    printed = table.loc["train_model", "paper"]
+    assert printed["my-net"] == "approximately two days on two NVIDIA A40 GPUs"
+    assert printed["tetgan-like"] == ""
 
 
 def test_a_missing_benchmark_leaves_its_row_empty(runtime, report):

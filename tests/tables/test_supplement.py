@@ -3,16 +3,19 @@
 import pytest
 
 from tetgan.errors import UserError
-from tetgan.tables.supplement import CATEGORIES, IDENTITY, write_supplement
+from tetgan.tables.supplement import IDENTITY, tabulate_supplement
 
 
 @pytest.fixture
 def supplement(tmp_path, paper, write, read):
     def make(reports, figure="fid"):
-        write_supplement(write(reports), paper, figure, tmp_path / "table.csv")
+        tabulate_supplement(write(reports), paper, figure, tmp_path / "table.csv")
         return read(tmp_path / "table.csv")
 
     return make
+
+
+CATEGORIES = ("bench", "sofa", "table", "vase")  # the paper's
 
 
 def cells(table, row: int, category: str) -> list[str]:
@@ -37,9 +40,30 @@ def test_each_category_has_its_own_cells_and_the_papers_figure(supplement, repor
     assert list(table["model"]) == ["tetgan-HR", "tetgan-LR"]
     assert cells(table, 0, "bench") == ["4.0", "", "3.0", "5.0", "2.67", "64", "1"]
     assert cells(table, 0, "vase") == ["8.0", "", "7.0", "9.0", "2.57", "50", "1"]
-    # The paper's vases are of high resolution: nothing stands beside the LR row.
+    # The paper's vases are of high resolution: nothing is beside the LR row.
     assert cells(table, 1, "vase") == ["6.0", "", "5.0", "7.0", "", "50", "1"]
     assert "4 [3, 5] (paper 2.67)" in text
+
+
+def test_the_method_and_grid_give_a_row_its_printed_figures(supplement, report):
+    mine = report("vase", "my-net", method="tetgan", fid=(8,)) | {"grid": "HR"}
+    other = report("vase", "tetgan-HR", method="pca", fid=(8,))
+    table, _ = supplement([mine, other])
+    assert dict(zip(table["model"], table["vase_paper"], strict=True)) == {"my-net": "2.57", "tetgan-HR": ""}
+
+
+def test_categories_without_a_figure_in_the_supplement_follow_the_papers(supplement, report):
+    reports = [
+        report("lamp", "tetgan-LR", fid=(5, 4, 6, None, 30), notes=["FID is biased"]),
+        report("chair", "tetgan-LR", fid=(3,)),
+    ]
+    table, text = supplement(reports)
+    assert [name for name in table if f"{name}_seeds" in table] == [*CATEGORIES, "lamp", "chair"]
+    assert cells(table, 0, "lamp") == ["5.0", "", "4.0", "6.0", "", "30", "1"]
+    assert cells(table, 0, "chair")[0] == "3.0"
+    assert cells(table, 0, "chair")[4] == "2.09"  # of Table 1
+    assert "- lamp: FID is biased. (all rows)" in text
+    assert "Not run: bench, sofa, table, vase." in text
 
 
 def test_a_category_that_was_not_run_is_empty_but_for_the_papers_figure(supplement, report):
@@ -76,7 +100,7 @@ def test_reconstruction_is_the_chamfer_distance(supplement, report):
     assert cells(table, 0, "table")[4] == "0.0029"
 
 
-def test_notes_name_the_extractor_and_what_is_amiss_with_the_figure(supplement, report):
+def test_notes_name_the_extractor_and_remarks_on_the_figure(supplement, report):
     notes = ["FID at N = 4, below 768, is mostly bias", "variety needs 7 surfaces and has 5"]
     _, text = supplement([report("bench", "tetgan-HR", notes=notes)])
     assert "- bench: FID at N = 4, below 768, is mostly bias." in text
@@ -94,4 +118,4 @@ def test_a_figure_that_is_none_and_files_that_are_not_metrics_are_refused(
     for content in ("[]", "{}", "model,value"):
         (tmp_path / "bad.json").write_text(content)
         with pytest.raises(UserError, match=r"bad\.json: not metrics"):
-            write_supplement([tmp_path / "bad.json"], paper, "fid", tmp_path / "table.csv")
+            tabulate_supplement([tmp_path / "bad.json"], paper, "fid", tmp_path / "table.csv")

@@ -1,4 +1,4 @@
-"""The models of docs/extending.md: found, trained, resumed, sampled and measured like those that are here."""
+"""The models of docs/extending.md: found, trained, resumed, sampled and measured like the built-in ones."""
 
 import csv
 import importlib
@@ -20,7 +20,7 @@ from tetgan.meshing.options import MeshingOptions
 from tetgan.models import registry
 from tetgan.models.files import load_generator
 from tetgan.models.registry import ModelOptions, find_method, load_plugins
-from tetgan.models.samples import write_samples
+from tetgan.models.samples import sample_model
 from tetgan.models.sampling import decode_fields, draw_latents, encode_shapes, generate_fields
 from tetgan.options import parse_options
 from tetgan.training.learner import FieldLearner
@@ -268,7 +268,7 @@ def test_its_samples_are_the_other_s_decoding_of_its_own_draws(tiny_index, stand
     expected = decode_fields(under, latents, store.max_displacement, device="cpu")
     for one, other in zip(generate_fields(model, store, 4, seed=0, device="cpu"), expected, strict=True):
         assert (one.occupancy == other.occupancy).all()
-    write_samples(standing / "codes", tiny_index, tmp_path / "out", count=3, options=MeshingOptions(), seed=0)
+    sample_model(standing / "codes", tiny_index, tmp_path / "out", count=3, options=MeshingOptions(), seed=0)
     certificate = rows_of(tmp_path / "out" / "none" / "certificate.csv")
     assert [row["set"] for row in certificate] == 3 * ["generated"] + 6 * ["reconstructed"]
 

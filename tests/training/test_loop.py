@@ -1,4 +1,4 @@
-"""That runs repeat, resume exactly, are saved and loaded, and survive a divergence."""
+"""The training loop: runs repeat, resume exactly, are saved and loaded, and survive a divergence."""
 
 import csv
 import json
@@ -106,7 +106,7 @@ def test_training_from_an_index_repeats_every_byte(indexes, in_one_go, tmp_path,
 
 
 class Killed(BaseException):
-    """Stands for a kill: the loop has no chance to tidy up after it."""
+    """A stand-in for a kill: the loop has no chance to tidy up after it."""
 
 
 @pytest.mark.parametrize("kind", KINDS)

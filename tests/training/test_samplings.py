@@ -1,4 +1,4 @@
-"""What learners get is what the stores hold."""
+"""Learners receive the numbers that the stores hold."""
 
 import numpy as np
 import torch

@@ -1,4 +1,4 @@
-"""Training options of a model come from three places."""
+"""Training options of each kind of model."""
 
 import pytest
 

@@ -13,12 +13,11 @@ TARGETS = ["results/smoke/tables/chair.csv", "results/smoke/figures/chair/sample
 class Project:
     """A folder with the workflow in it, in which Snakemake runs as a person would run it.
 
-    `told` is what the smoke run printed.
+    `told` is the output of the smoke run.
     """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.told = ""
         for name in ("config", "workflow"):
             shutil.copytree(ROOT / name, folder / name)
         shutil.copy(ROOT / "Snakefile", folder)

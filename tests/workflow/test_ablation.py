@@ -1,4 +1,4 @@
-"""The ablation's table and figure: what they train, and that nothing else trains for them."""
+"""The ablation's table and figure: the models they train, and no others."""
 
 import numpy as np
 import pandas as pd

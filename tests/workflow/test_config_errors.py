@@ -8,6 +8,7 @@ import pytest
     [
         ("training={tetgan: {epoch: 3}}", ["training.tetgan.epoch", "did you mean 'epochs'"]),
         ("grids={LR: {cells: 0, depth: 1}}", ["grids.LR.cells", "greater than or equal to 1"]),
+        ("sampling={count: 3}", ["sampling", "called 'samples'"]),
         ("sources={chair: {kind: magic}}", ["sources.chair", "magic"]),
     ],
 )

@@ -12,7 +12,8 @@ PROFILES = sorted((ROOT / "workflow" / "profiles").glob("*/config.yaml"))
 
 def rule_names() -> set[str]:
     files = [ROOT / "workflow" / "Snakefile", *(ROOT / "workflow" / "rules").glob("*.smk")]
-    return {name for path in files for name in re.findall(r"^rule (\w+):", path.read_text(), re.MULTILINE)}
+    named = re.compile(r"^ *(?:rule|use rule \w+ as) (\w+)(?::| with:)", re.MULTILINE)
+    return {name for path in files for name in named.findall(path.read_text())}
 
 
 @pytest.mark.parametrize("name", CONFIGS)
@@ -20,15 +21,15 @@ def test_a_config_plans_everything_it_holds(untouched, name):
     # ShapeNet and COSEG need not be there: what is missing shows when its repair runs.
     jobs = planned(untouched.snakemake("-n", "paper", "--configfile", f"config/{name}"))
     held = yaml.safe_load((ROOT / "config" / name).read_text()).get("categories", ["chair"])
-    assert jobs["make_table"] == jobs["draw_samples"] == jobs["evaluate_real"] == len(held)
-    assert jobs["gather_supplement"] == 3
+    assert jobs["tabulate_category"] == jobs["draw_samples"] == jobs["evaluate_real"] == len(held)
+    assert jobs["tabulate_supplement"] == 3
     for table in ("manifold", "quality", "dataset", "runtime"):
-        assert jobs[f"gather_{table}"] == 1
+        assert jobs[f"tabulate_{table}"] == 1
 
 
 def test_the_smoke_run_has_every_rule(untouched):
     jobs = planned(untouched.smoke("-n", "paper", "results/smoke/report.html"))
-    assert rule_names() - {"all", "figures"} <= jobs.keys()
+    assert rule_names() - {"all", "figures", "draw"} <= jobs.keys()
 
 
 @pytest.mark.parametrize("name", ["overnight.yaml", "paper.yaml"])

@@ -1,4 +1,4 @@
-"""The command itself, and what its subcommands share: arguments, and options read from text."""
+"""The command, with the arguments and option readers that its subcommands share."""
 
 import os
 from pathlib import Path
@@ -44,7 +44,7 @@ Threads = Annotated[int, typer.Option(min=1, help="Processor cores to use.")]
 
 Metrics = Annotated[list[Path], typer.Argument(help="Metrics (.json) of models and of real shapes.")]
 
-TableOut = Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")]
+TableOut = Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")]
 
 Paper = Annotated[Path, typer.Option(help="The paper's published figures (.csv).")]
 

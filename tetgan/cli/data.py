@@ -1,4 +1,4 @@
-"""From raw meshes to what models learn from."""
+"""Commands from raw meshes to training data."""
 
 from pathlib import Path
 from typing import Annotated
@@ -38,14 +38,14 @@ def repair(
 
 
 @app.command(rich_help_panel=PANEL)
-def catalogue(
+def gather_catalogue(
     shards: Annotated[list[Path], typer.Argument(help="Zips written by `tetgan repair`.")],
     out: Annotated[Path, typer.Argument(help="Catalogue (.csv) to write.")],
     split: OptionsText = "{}",
 ) -> None:
     """Gather the shards of a category into its catalogue, and split it.
 
-    Example: `tetgan catalogue chairs.zip catalogue.csv`
+    Example: `tetgan gather-catalogue chairs.zip catalogue.csv`
     """
     from tetgan.shapes.catalogue import gather_catalogue
     from tetgan.shapes.options import SplitOptions
@@ -54,7 +54,7 @@ def catalogue(
 
 
 @app.command(rich_help_panel=PANEL)
-def clouds(
+def sample_clouds(
     out: Annotated[Path, typer.Argument(help="Point clouds (.npz) to write.")],
     category: Category,
     source: OptionsText,
@@ -64,10 +64,10 @@ def clouds(
 ) -> None:
     """Sample the raw surfaces of a source where they can be seen from outside.
 
-    Example: `tetgan clouds chair.npz --category chair --source '{kind: builtin, count: 256}'`
+    Example: `tetgan sample-clouds chair.npz --category chair --source '{kind: builtin, count: 256}'`
     """
     from tetgan.config import CloudOptions
-    from tetgan.shapes.clouds import sample_clouds
+    from tetgan.shapes.cloud_sampling import sample_clouds
     from tetgan.shapes.options import SourceOptions, SplitOptions
 
     chosen = read_options(CloudOptions, options, "--options")
@@ -85,7 +85,7 @@ def clouds(
 
 
 @app.command(rich_help_panel=PANEL)
-def fields(
+def extract_fields(
     meshes: Annotated[Path, typer.Argument(help="Zip written by `tetgan repair`.")],
     out: Annotated[Path, typer.Argument(help="Field store (.zarr.zip) to write.")],
     grid: OptionsText,
@@ -93,7 +93,7 @@ def fields(
 ) -> None:
     """Sample occupancy and displacement of every mesh on a tetrahedral grid.
 
-    Example: `tetgan fields chairs.zip chairs.zarr.zip --grid '{cells: 2, depth: 2}'`
+    Example: `tetgan extract-fields chairs.zip chairs.zarr.zip --grid '{cells: 2, depth: 2}'`
     """
     limit_libigl(threads)
     from tetgan.fields.extraction import extract_shard
@@ -103,7 +103,7 @@ def fields(
 
 
 @app.command(rich_help_panel=PANEL)
-def samplings(
+def extract_samplings(
     meshes: Annotated[Path, typer.Argument(help="Zip written by `tetgan repair`.")],
     out: Annotated[Path, typer.Argument(help="Points or voxels (.zarr.zip) to write.")],
     sampling: OptionsText,
@@ -111,18 +111,20 @@ def samplings(
 ) -> None:
     """Sample every mesh at random points (occupancy) or on voxels (signed distance), for the baselines.
 
-    Example: `tetgan samplings chairs.zip points.zarr.zip --sampling '{kind: points, count: 30000}'`
+    Example: `tetgan extract-samplings chairs.zip points.zarr.zip --sampling '{kind: points, count: 30000}'`
     """
     limit_libigl(threads)
     from tetgan.fields.options import ShapeSampling
-    from tetgan.fields.samplings import sample_shard
+    from tetgan.fields.samplings import extract_samplings
 
-    sample_shard(meshes, out, read_options(ShapeSampling, sampling, "--sampling"))
+    extract_samplings(meshes, out, read_options(ShapeSampling, sampling, "--sampling"))
 
 
 @app.command(rich_help_panel=PANEL)
 def index(
-    shards: Annotated[list[Path], typer.Argument(help="Written by `tetgan fields` or `tetgan samplings`.")],
+    shards: Annotated[
+        list[Path], typer.Argument(help="Written by `tetgan extract-fields` or `tetgan extract-samplings`.")
+    ],
     out: Annotated[Path, typer.Argument(help="Index (.json) to write.")],
     catalogue: Annotated[Path, typer.Option(help="Catalogue that holds the split.")],
     grid: OptionsText = "",

@@ -1,4 +1,4 @@
-"""Metrics of samples, of real shapes, and of any two folders of meshes."""
+"""Commands for metrics of samples, of real shapes, and of any two folders of meshes."""
 
 from pathlib import Path
 from typing import Annotated
@@ -20,7 +20,7 @@ PANEL = "Evaluation"
 
 
 @app.command(rich_help_panel=PANEL)
-def metrics(
+def evaluate_model(
     samples: Annotated[Path, typer.Argument(help="Folder written by `tetgan sample`.")],
     meshes: Annotated[list[Path], typer.Argument(help="Zips of repaired meshes, the reference.")],
     out: Annotated[Path, typer.Argument(help="Metrics (.json) to write.")],
@@ -35,7 +35,7 @@ def metrics(
 ) -> None:
     """Measure a model's samples: Chamfer, variety, FID, coverage, overlap and more, each with an interval.
 
-    Example: `tetgan metrics samples chairs.zip metrics.json --clouds chair.npz --extractor extractor`
+    Example: `tetgan evaluate-model samples chairs.zip metrics.json --clouds chair.npz --extractor extractor`
     """
     limit_libigl(threads)
     from tetgan.evaluation.evaluate import evaluate_model
@@ -56,7 +56,7 @@ def metrics(
 
 
 @app.command(rich_help_panel=PANEL)
-def floor(
+def evaluate_real(
     meshes: Annotated[list[Path], typer.Argument(help="Zips of repaired meshes.")],
     out: Annotated[Path, typer.Argument(help="Metrics (.json) to write.")],
     category: Category,
@@ -68,8 +68,8 @@ def floor(
 ) -> None:
     """Measure real shapes against real shapes: the floor under every metric.
 
-    Example: `tetgan floor chairs.zip real.json --category chair --catalogue catalogue.csv --clouds chair.npz
-    --extractor extractor`
+    Example: `tetgan evaluate-real chairs.zip real.json --category chair --catalogue catalogue.csv
+    --clouds chair.npz --extractor extractor`
     """
     limit_libigl(threads)
     from tetgan.evaluation.evaluate import evaluate_real
@@ -92,7 +92,7 @@ def floor(
 def evaluate(
     samples: Annotated[Path, typer.Argument(help="Folder of generated meshes, from any system.")],
     reference: Annotated[Path, typer.Argument(help="Folder of the real meshes they should be like.")],
-    out: Annotated[Path, typer.Option(help="Report (.json) to write; a .md twin stands beside it.")],
+    out: Annotated[Path, typer.Option(help="Report (.json) to write; with a .md twin.")],
     extractor: Annotated[
         Path | None, typer.Option(help="Folder of a trained classifier, for FID and its kin.")
     ] = None,

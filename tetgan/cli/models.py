@@ -1,4 +1,4 @@
-"""Training, and meshes out of trained models."""
+"""Commands for training, sampling and packing models."""
 
 from pathlib import Path
 from typing import Annotated
@@ -8,8 +8,6 @@ import typer
 from tetgan.cli.app import OptionsText, Seed, Threads, app, read_options, read_plain, use_threads
 
 PANEL = "Models"
-
-CERTIFICATES = "*/certificate.csv"  # what a folder of samples holds
 
 
 @app.command(rich_help_panel=PANEL)
@@ -22,7 +20,7 @@ def train(
     threads: Threads = 2,
     of: Annotated[
         Path | None,
-        typer.Option(help="Folder of the trained model that this one stands on: a TetGAN for a `deftet`."),
+        typer.Option(help="Folder of the trained model that this one is built on: a TetGAN for a `deftet`."),
     ] = None,
     processes: Annotated[
         int, typer.Option(min=0, help="Processes, each with a GPU, that share a TetGAN's batches; 0 means 1.")
@@ -46,7 +44,7 @@ def train(
 
 
 @app.command(rich_help_panel=PANEL)
-def extractor(
+def train_extractor(
     clouds: Annotated[list[Path], typer.Argument(help="Point clouds, one file a category.")],
     folder: Annotated[Path, typer.Argument(help="Folder of the trained classifier.")],
     options: OptionsText = "{}",
@@ -54,7 +52,7 @@ def extractor(
 ) -> None:
     """Train the PointNet++ classifier whose features FID and KID compare.
 
-    Example: `tetgan extractor chair.npz sofa.npz extractor`
+    Example: `tetgan train-extractor chair.npz sofa.npz extractor`
     """
     from tetgan.evaluation.extractor import train_extractor
     from tetgan.extractor.options import ExtractorOptions
@@ -95,14 +93,14 @@ def sample(
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
     from tetgan.models.pack import find_model, index_beside
-    from tetgan.models.samples import write_samples
+    from tetgan.solids.folder import CERTIFICATES
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")
     found = find_model(model)
     learned_from = index or index_beside(found)
     use_threads(threads)
     with whole_folder(folder, CERTIFICATES) as partial:
-        write_samples(found, learned_from, partial, count=count, options=chosen, seed=seed)
+        sample_model(found, learned_from, partial, count=count, options=chosen, seed=seed)
 
 
 @app.command(rich_help_panel=PANEL)
@@ -133,6 +131,7 @@ def simplify(
     from tetgan.files import whole_folder
     from tetgan.meshing.simplify import simplify_samples
     from tetgan.shapes.options import SimplifyOptions
+    from tetgan.solids.folder import CERTIFICATES
 
     with whole_folder(folder, CERTIFICATES) as partial:
         simplify_samples(samples, partial, SimplifyOptions(faces=faces))

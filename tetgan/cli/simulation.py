@@ -1,4 +1,4 @@
-"""What a solid does under loads."""
+"""Commands for elasticity of solids under load."""
 
 from pathlib import Path
 from typing import Annotated
@@ -34,7 +34,7 @@ def simulate(
         ),
     ] = None,
     gravity: Annotated[bool, typer.Option(help="Add the body's own weight.")] = False,
-    size: Annotated[float, typer.Option(help="Metres that one unit of the mesh stands for.")] = 1.0,
+    size: Annotated[float, typer.Option(help="Metres per unit of the mesh.")] = 1.0,
     order: Annotated[int, typer.Option(help="Degree of the elements; degree 1 is too stiff in bending.")] = 2,
     refine: Annotated[int, typer.Option(help="Times that each tet is cut into eight first.")] = 0,
     reach: Annotated[float, typer.Option(help="Depth of a side, over the mesh's longest extent.")] = 0.05,
@@ -43,7 +43,7 @@ def simulate(
         Path | None, typer.Option(help="Mesh (.vtu, .vtk) to write, with displacement and stress.")
     ] = None,
     figure: Annotated[
-        Path | None, typer.Option(help="Picture (.png) to write; its data (.csv) stand beside it.")
+        Path | None, typer.Option(help="Picture (.png) to write; with its data (.csv) beside it.")
     ] = None,
 ) -> None:
     """Bend a solid: displacement and von Mises stress under loads, by linear elasticity.
@@ -56,11 +56,13 @@ def simulate(
 
     from tetgan.files import check_suffix
     from tetgan.mechanics.figure import write_figure
-    from tetgan.mechanics.options import LoadCase, Material, read_material
+    from tetgan.mechanics.materials import Material, read_material
+    from tetgan.mechanics.options import LoadCase
     from tetgan.mechanics.pieces import largest_piece
-    from tetgan.mechanics.simulation import BODIES, read_body, readable_record, write_simulation
+    from tetgan.mechanics.simulation import BODIES, readable_record, write_simulation
     from tetgan.mechanics.simulation import simulate as run
     from tetgan.rendering.plots import FIGURES
+    from tetgan.solids.reading import read_solid
 
     if out is not None:
         check_suffix(out, "a simulated mesh", *BODIES)
@@ -77,7 +79,7 @@ def simulate(
     }
     values |= {name: given for name, given in (("fix", fix), ("load", load)) if given}
     case = LoadCase.parse(values, "simulate")
-    solid = read_body(mesh)
+    solid = read_solid(mesh)
     try:
         result = run(largest_piece(solid) if largest else solid, case)
     except UserError as error:
@@ -92,34 +94,34 @@ def simulate(
     Console().print(table)
 
 
-@app.command("simulation-study", rich_help_panel=PANEL)
-def simulation_study(
+@app.command(rich_help_panel=PANEL)
+def simulate_samples(
     samples: Annotated[Path, typer.Argument(help="Folder written by `tetgan sample`.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write, a row a sample.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write, one row per sample.")],
     options: OptionsText = "{}",
     identity: OptionsText = "{}",
 ) -> None:
     """Simulate many samples under one load; mesh some of their surfaces anew and compare.
 
-    Example: `tetgan simulation-study results/samples/table/tetgan-LR/0/solid study.csv
+    Example: `tetgan simulate-samples results/samples/table/tetgan-LR/0/solid study.csv
     --options '{samples: 50, remeshed: 5}'`
     """
     from tetgan.mechanics.options import SimulationOptions
-    from tetgan.mechanics.study import study_simulation
+    from tetgan.mechanics.study import simulate_samples
 
     chosen = read_options(SimulationOptions, options, "--options")
-    study_simulation(samples, out, chosen, read_plain(identity, "--identity"))
+    simulate_samples(samples, out, chosen, read_plain(identity, "--identity"))
 
 
-@app.command("simulation-table", rich_help_panel=PANEL)
-def simulation_table(
-    studies: Annotated[list[Path], typer.Argument(help="Tables written by `tetgan simulation-study`.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+@app.command(rich_help_panel=PANEL)
+def tabulate_simulation(
+    studies: Annotated[list[Path], typer.Argument(help="Tables written by `tetgan simulate-samples`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")],
 ) -> None:
-    """Set the simulation studies side by side, a row a model and mode.
+    """Set the simulation studies side by side, one row per model and mode.
 
-    Example: `tetgan simulation-table studies/*.csv simulation.csv`
+    Example: `tetgan tabulate-simulation studies/*.csv simulation.csv`
     """
-    from tetgan.mechanics.table import write_simulation_table
+    from tetgan.mechanics.table import tabulate_simulation
 
-    write_simulation_table(studies, out)
+    tabulate_simulation(studies, out)

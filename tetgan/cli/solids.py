@@ -1,4 +1,4 @@
-"""Solid meshes of any origin: certified, and written for other programs."""
+"""Commands that certify solid meshes of any origin and convert them for other programs."""
 
 from pathlib import Path
 from typing import Annotated
@@ -19,7 +19,7 @@ def certify(
         Path | None, typer.Option(help="Folder for a certificate (.json) a mesh and certificate.csv of all.")
     ] = None,
 ) -> None:
-    """Tell whether tet meshes are valid solids: a line a mesh, and exit status 1 where one is not.
+    """Check whether tet meshes are valid solids: one line per mesh, exit status 1 where one is not.
 
     Valid: no inverted tet, every boundary edge with two faces, every boundary vertex with one fan of them,
     and a boundary that does not meet itself.

@@ -1,4 +1,4 @@
-"""Studies of the latent space, of resolution and of smoothing."""
+"""Commands for the studies of the latent space, of resolution and of smoothing."""
 
 from pathlib import Path
 from typing import Annotated
@@ -37,18 +37,18 @@ def interpolate(
     """
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
-    from tetgan.studies.latent.interpolation import STEPS, write_interpolations
+    from tetgan.studies.latent.interpolation import STEPS, interpolate_shapes
     from tetgan.studies.options import LatentOptions
 
     chosen = read_options(LatentOptions, options, "--options")
     shape = read_options(MeshingOptions, meshing, "--meshing")
     pairs = [split_ids(text, 2, "--pair") for text in pair or []]
     with whole_folder(folder, STEPS) as partial:
-        write_interpolations(model, index, partial, options=chosen, meshing=shape, pairs=pairs)
+        interpolate_shapes(model, index, partial, options=chosen, meshing=shape, pairs=pairs)
 
 
 @app.command(rich_help_panel=PANEL)
-def arithmetic(
+def add_parts(
     model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
     index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
     folder: Annotated[Path, typer.Argument(help="Folder of meshes to write.")],
@@ -63,23 +63,23 @@ def arithmetic(
     Writes a folder a triple with surfaces (.ply) and solids (.vtu) of A, B, C and D = A - B + C, the faces
     that changed (`changes.npz`), and `triples.csv`.
 
-    Example: `tetgan arithmetic results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json sums
+    Example: `tetgan add-parts results/models/chair/tetgan-LR/0 results/fields/chair/LR/index.json sums
     --triple chair-0003:chair-0017:chair-0021`
     """
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
-    from tetgan.studies.latent.arithmetic import TRIPLES, write_arithmetic
+    from tetgan.studies.latent.arithmetic import TRIPLES, add_parts
     from tetgan.studies.options import LatentOptions
 
     chosen = read_options(LatentOptions, options, "--options")
     shape = read_options(MeshingOptions, meshing, "--meshing")
     triples = [split_ids(text, 3, "--triple") for text in triple or []]
     with whole_folder(folder, TRIPLES) as partial:
-        write_arithmetic(model, index, partial, options=chosen, meshing=shape, triples=triples)
+        add_parts(model, index, partial, options=chosen, meshing=shape, triples=triples)
 
 
 @app.command(rich_help_panel=PANEL)
-def nearest(
+def find_nearest(
     meshes: Annotated[list[Path], typer.Argument(help="Zips of repaired meshes.")],
     out: Annotated[Path, typer.Argument(help="Table (.csv) to write.")],
     catalogue: Annotated[Path, typer.Option(help="Catalogue that holds the split.")],
@@ -91,35 +91,35 @@ def nearest(
 ) -> None:
     """Find the training shape nearest to every sample; without `--samples`, to every validation shape.
 
-    Example: `tetgan nearest chairs.zip nearest.csv --catalogue catalogue.csv --samples samples`
+    Example: `tetgan find-nearest chairs.zip nearest.csv --catalogue catalogue.csv --samples samples`
     """
-    from tetgan.studies.latent.nearest import write_nearest
+    from tetgan.studies.latent.nearest import find_nearest_shapes
     from tetgan.studies.options import NearestOptions
 
     chosen = read_options(NearestOptions, options, "--options")
-    write_nearest(meshes, catalogue, out, samples=samples, options=chosen, threads=threads)
+    find_nearest_shapes(meshes, catalogue, out, samples=samples, options=chosen, threads=threads)
 
 
 @app.command(rich_help_panel=PANEL)
-def resolution(
-    table: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
-    figure: Annotated[Path, typer.Argument(help="Figure (.png) to write; its data stand beside it.")],
+def measure_resolution(
+    table: Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")],
+    figure: Annotated[Path, typer.Argument(help="Figure (.png) to write; with its data beside it.")],
     options: OptionsText = "{}",
     threads: Threads = 1,
 ) -> None:
     """Measure how fine tets and voxels must be to represent a torus equally well.
 
-    Example: `tetgan resolution tables/resolution.csv figures/resolution.png`
+    Example: `tetgan measure-resolution tables/resolution.csv figures/resolution.png`
     """
     limit_libigl(threads)
     from tetgan.studies.options import ResolutionOptions
-    from tetgan.studies.resolution.study import study_resolution
+    from tetgan.studies.resolution.study import measure_resolution
 
-    study_resolution(read_options(ResolutionOptions, options, "--options"), table, figure)
+    measure_resolution(read_options(ResolutionOptions, options, "--options"), table, figure)
 
 
 @app.command(rich_help_panel=PANEL)
-def smoothing(
+def measure_smoothing(
     model: Annotated[Path, typer.Argument(help="Folder of a trained model.")],
     index: Annotated[Path, typer.Argument(help="Index of the fields it was trained on.")],
     folder: Annotated[Path, typer.Argument(help="Folder of figures to write.")],
@@ -134,17 +134,17 @@ def smoothing(
 ) -> None:
     """Measure what displacement and each smoothing do to the surfaces of a model.
 
-    Example: `tetgan smoothing models/chair/representation-LR/0 index.json study chairs.zip --clouds chair.npz
-    --extractor extractor`
+    Example: `tetgan measure-smoothing models/chair/representation-LR/0 index.json study chairs.zip
+    --clouds chair.npz --extractor extractor`
     """
     limit_libigl(threads)
     from tetgan.evaluation.options import EvaluationOptions
     from tetgan.meshing.options import MeshingOptions
     from tetgan.studies.options import SmoothingOptions
-    from tetgan.studies.smoothing.study import study_smoothing
+    from tetgan.studies.smoothing.study import measure_smoothing
 
     use_threads(threads)
-    study_smoothing(
+    measure_smoothing(
         model,
         index,
         folder,
@@ -158,15 +158,15 @@ def smoothing(
     )
 
 
-@app.command("smoothing-table", rich_help_panel=PANEL)
-def smoothing_table(
-    studies: Annotated[list[Path], typer.Argument(help="Folders written by `tetgan smoothing`.")],
-    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; a .md twin stands beside it.")],
+@app.command(rich_help_panel=PANEL)
+def tabulate_smoothing(
+    studies: Annotated[list[Path], typer.Argument(help="Folders written by `tetgan measure-smoothing`.")],
+    out: Annotated[Path, typer.Argument(help="Table (.csv) to write; with a .md twin.")],
 ) -> None:
     """Set the smoothing studies side by side, and weigh the paper's claims.
 
-    Example: `tetgan smoothing-table studies/chair/* smoothing.csv`
+    Example: `tetgan tabulate-smoothing studies/chair/* smoothing.csv`
     """
-    from tetgan.studies.smoothing.table import write_smoothing_table
+    from tetgan.studies.smoothing.table import tabulate_smoothing
 
-    write_smoothing_table(studies, out)
+    tabulate_smoothing(studies, out)

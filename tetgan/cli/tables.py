@@ -1,4 +1,4 @@
-"""Metrics gathered into tables, and everything on one page."""
+"""Commands that gather metrics into tables and write the report page."""
 
 from pathlib import Path
 from typing import Annotated
@@ -11,7 +11,7 @@ PANEL = "Tables and report"
 
 
 @app.command(rich_help_panel=PANEL)
-def table(
+def tabulate_category(
     metrics: Metrics,
     out: TableOut,
     category: Category,
@@ -19,42 +19,44 @@ def table(
 ) -> None:
     """Set the metrics of a category beside the paper's figures.
 
-    Example: `tetgan table results/metrics/chair/*/0/paper.json chair.csv --category chair --paper paper.csv`
+    Example: `tetgan tabulate-category results/metrics/chair/*/0/paper.json chair.csv --category chair
+    --paper paper.csv`
     """
-    from tetgan.tables.category import write_table
+    from tetgan.tables.category import tabulate_category
 
-    write_table(metrics, paper, category, out)
+    tabulate_category(metrics, paper, category, out)
 
 
 @app.command(rich_help_panel=PANEL)
-def supplement(
+def tabulate_supplement(
     metrics: Metrics,
     out: TableOut,
     figure: Annotated[str, typer.Option(help="fid, variety or reconstruction.")],
     paper: Paper,
 ) -> None:
-    """Set one figure of benches, sofas, tables and vases side by side, as the paper's supplement does.
+    """Set one figure of every category side by side, as the paper's supplement does.
 
-    Example: `tetgan supplement results/metrics/*/*/*/paper.json fid.csv --figure fid --paper paper.csv`
+    Example: `tetgan tabulate-supplement results/metrics/*/*/*/paper.json fid.csv --figure fid
+    --paper paper.csv`
     """
-    from tetgan.tables.supplement import write_supplement
+    from tetgan.tables.supplement import tabulate_supplement
 
-    write_supplement(metrics, paper, figure, out)
+    tabulate_supplement(metrics, paper, figure, out)
 
 
 @app.command(rich_help_panel=PANEL)
-def manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
+def tabulate_manifold(metrics: Metrics, out: TableOut, paper: Paper) -> None:
     """Tell which share of edges is manifold, in ground truth and in generated shapes.
 
-    Example: `tetgan manifold results/metrics/*/*/*/paper.json manifold.csv --paper paper.csv`
+    Example: `tetgan tabulate-manifold results/metrics/*/*/*/paper.json manifold.csv --paper paper.csv`
     """
-    from tetgan.tables.manifold import write_manifold
+    from tetgan.tables.manifold import tabulate_manifold
 
-    write_manifold(metrics, paper, out)
+    tabulate_manifold(metrics, paper, out)
 
 
 @app.command(rich_help_panel=PANEL)
-def quality(
+def tabulate_quality(
     samples: Annotated[
         list[Path], typer.Argument(help="Folders {category}/{model}/{seed}/{mode} of samples.")
     ],
@@ -63,30 +65,30 @@ def quality(
 ) -> None:
     """Tell how many meshes are valid solids, what keeps the others from it, and what was changed for it.
 
-    Example: `tetgan quality results/samples/chair/tetgan-LR/0/* quality.csv --paper paper.csv`
+    Example: `tetgan tabulate-quality results/samples/chair/tetgan-LR/0/* quality.csv --paper paper.csv`
     """
-    from tetgan.tables.quality import write_quality
+    from tetgan.tables.quality import tabulate_quality
 
-    write_quality(samples, paper, out)
+    tabulate_quality(samples, paper, out)
 
 
 @app.command(rich_help_panel=PANEL)
-def dataset(
+def tabulate_dataset(
     catalogues: Annotated[list[Path], typer.Argument(help="Catalogues: {category}/catalogue.csv.")],
     out: TableOut,
     paper: Paper,
 ) -> None:
     """Count the shapes of every category: listed, repaired, rejected and why, split, held out.
 
-    Example: `tetgan dataset results/data/*/catalogue.csv dataset.csv --paper paper.csv`
+    Example: `tetgan tabulate-dataset results/data/*/catalogue.csv dataset.csv --paper paper.csv`
     """
-    from tetgan.tables.dataset import write_dataset
+    from tetgan.tables.dataset import tabulate_dataset
 
-    write_dataset(catalogues, paper, out)
+    tabulate_dataset(catalogues, paper, out)
 
 
 @app.command(rich_help_panel=PANEL)
-def runtime(
+def tabulate_runtime(
     metrics: Metrics,
     out: TableOut,
     results: Annotated[Path, typer.Option(help="Folder with benchmarks/, data/ and clouds/.")],
@@ -95,15 +97,16 @@ def runtime(
 ) -> None:
     """Gather time and memory of every stage from Snakemake's benchmark files.
 
-    Example: `tetgan runtime results/metrics/*/*/*/paper.json runtime.csv --results results --paper paper.csv`
+    Example: `tetgan tabulate-runtime results/metrics/*/*/*/paper.json runtime.csv --results results
+    --paper paper.csv`
     """
-    from tetgan.tables.runtime import write_runtime
+    from tetgan.tables.runtime import tabulate_runtime
 
-    write_runtime(metrics, results, paper, shards, out)
+    tabulate_runtime(metrics, results, paper, shards, out)
 
 
 @app.command(rich_help_panel=PANEL)
-def ablation(
+def tabulate_ablation(
     metrics: Metrics,
     out: TableOut,
     category: Category,
@@ -114,11 +117,12 @@ def ablation(
 ) -> None:
     """Set models that lack a part, or have another, beside the full one; rows keep the order of the files.
 
-    Example: `tetgan ablation full.json no-local.json ablation.csv --category chair --paper paper.csv`
+    Example: `tetgan tabulate-ablation full.json no-local.json ablation.csv --category chair
+    --paper paper.csv`
     """
-    from tetgan.tables.ablation import write_ablation
+    from tetgan.tables.ablation import tabulate_ablation
 
-    write_ablation(metrics, paper, category, out, read_plain(changes, "--changes"))
+    tabulate_ablation(metrics, paper, category, out, read_plain(changes, "--changes"))
 
 
 @app.command(rich_help_panel=PANEL)
@@ -134,9 +138,9 @@ def report(
 
     Example: `tetgan report results report.html --config config/config.yaml --captions workflow/report`
     """
-    from tetgan.report.page import write_report
+    from tetgan.report.page import report_page
 
-    write_report(
+    report_page(
         results,
         out,
         config=read_plain(config, "--config"),

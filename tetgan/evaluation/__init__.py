@@ -1,1 +1,1 @@
-"""Metrics on surfaces and point clouds, their intervals, and the tables made of them."""
+"""Metrics on surfaces and point clouds, with their intervals."""

@@ -144,7 +144,7 @@ def chamfer_selected(
 def resampled_chamfer(points: Float[np.ndarray, "P 3"], count: int) -> float:
     """Distance of a shape from itself, sampled twice with `count` points, or with half of those given.
 
-    `points` stand in random order, so that two parts of them are two samples.
+    `points` are in random order, so that two parts of them are two samples.
     """
     count = min(count, len(points) // 2)
     first, second = points[None, :count], points[None, count : 2 * count]

@@ -10,7 +10,7 @@ from tetgan.evaluation.intervals import Interval, recentered_interval, resample_
 
 
 class TwoSets(NamedTuple):
-    """Generated (N) and real shapes (M) by their distances, of any kind that a nearest one can be told by.
+    """Generated (N) and real shapes (M) by their distances, of any kind that defines a nearest one.
 
     Attributes:
         generated, real: within a set; infinite on the diagonal, so that no shape is its own neighbour.

@@ -1,4 +1,4 @@
-"""A figure, its interval, and on how much it rests."""
+"""Estimates: a value, its interval, and the number of shapes behind it."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -20,16 +20,10 @@ from tetgan.evaluation.fid import (
 )
 from tetgan.evaluation.intervals import bootstrap_mean, student_interval
 from tetgan.evaluation.jsd import jsd, jsd_interval
+from tetgan.evaluation.metrics import BY_NAME
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.precision_recall import feature_sets, precision_recall
 from tetgan.evaluation.seeds import named_rng
-
-SHARES = ("cov", "nna", "precision", "recall")
-"""Metrics that cannot exceed 1, nor can their intervals."""
-
-FEATURE_METRICS = ("fid", "kid", "fid_infinity", "precision", "recall")
-
-SET_METRICS = ("mmd", "cov", "nna", "jsd")
 
 
 @dataclass(frozen=True)
@@ -78,7 +72,7 @@ def repeats_estimate(values: Float[np.ndarray, "R"], n: int, options: Evaluation
 def feature_estimates(
     found: Float[np.ndarray, "N F"], real: Float[np.ndarray, "N F"], options: EvaluationOptions
 ) -> dict[str, Estimate]:
-    """`FEATURE_METRICS` of two sets of equal size."""
+    """Metrics of the group `features`, of two sets of equal size."""
     sets = feature_sets(found, real)
     return {
         "fid": _fid_estimate(found, real, options),
@@ -154,7 +148,7 @@ def _measure_estimates(
         metric: Estimate(
             value,
             max(ends[metric].low, 0.0),
-            min(ends[metric].high, 1.0 if metric in SHARES else inf),
+            min(ends[metric].high, 1.0 if BY_NAME[metric].share else inf),
             n=len(sets.generated),
         )
         for metric, value in measure(sets).items()

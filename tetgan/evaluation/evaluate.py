@@ -14,6 +14,7 @@ from rich.progress import track
 
 from tetgan.errors import UserError
 from tetgan.evaluation.chamfer import SurfaceSample, resampled_chamfer
+from tetgan.evaluation.metrics import names_of
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.originals import read_splits, repaired_meshes, training_cloud, training_clouds
 from tetgan.evaluation.reconstructions import Reconstruction, draw_truth, measure_reconstruction
@@ -26,7 +27,7 @@ from tetgan.extractor.network import Classifier, load_classifier
 from tetgan.files import whole_file
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.clouds import read_clouds
-from tetgan.solids.folder import SOLID_METRICS, SampleFolder
+from tetgan.solids.folder import SampleFolder
 
 SMOOTHINGS = ("none", "wls")
 """Folders of a model's samples: without, and with the weighted Laplacian smoothing of Eq. 4."""
@@ -124,13 +125,13 @@ def evaluate_real(
     )
     section.add_novelty(draw_clouds(real.holdout, "holdout", options), training)
     section.note_resampled(repaired.resampled)
-    section.count("generated", len(repaired.faces), len(repaired.faces))
-    identity = {"category": category, "model": "real"}
+    section.count_samples(len(repaired.faces), len(repaired.faces))
+    identity = {"category": category, "model": "real", "method": "real"}
     _write_report(identity, classifier, options, {"none": section}, out)
 
 
 class _Yardstick(NamedTuple):
-    """What every smoothing of a model is measured with."""
+    """Reference sets and options shared by all smoothings of a model."""
 
     options: EvaluationOptions
     classifier: Classifier
@@ -141,8 +142,16 @@ class _Yardstick(NamedTuple):
 
 
 @dataclass
+class _Reconstructions:
+    """Those of one smoothing that have a surface, and how many have none."""
+
+    found: list[Reconstruction] = field(default_factory=list)
+    missing: int = 0
+
+
+@dataclass
 class _Repaired:
-    """What the repaired meshes of a category say; `resampled` is the floor with the points of sets."""
+    """Measures of a category's repaired meshes; `resampled` is the floor with the points of sets."""
 
     floor: list[Reconstruction] = field(default_factory=list)
     resampled: list[float] = field(default_factory=list)
@@ -162,25 +171,26 @@ def _about(samples: Path) -> dict[str, Any]:
 
 
 def _measure_smoothing(
-    folder: SampleFolder, reconstructions: Sequence[Reconstruction], yardstick: _Yardstick
+    folder: SampleFolder, reconstructions: _Reconstructions, yardstick: _Yardstick
 ) -> Section:
     """Faces are those of reconstructions, edges, tets and solids those of generated shapes; where a model has
     only the one kind, all are of that kind."""
     options = yardstick.options
     generated = _read_generated(folder)
     section = Section(options)
-    section.add_reconstructions(reconstructions)
+    section.add_reconstructions(reconstructions.found, reconstructions.missing)
     topology = [measure_topology(surface.faces) for surface in generated.values()]
-    section.add_topology(topology or [item.topology for item in reconstructions])
+    section.add_topology(topology or [item.topology for item in reconstructions.found])
     inverted = folder.inverted_shares("generated")
     section.add_means(
         {
-            "faces": [item.faces for item in reconstructions] or [len(s.faces) for s in generated.values()],
+            "faces": [item.faces for item in reconstructions.found]
+            or [len(s.faces) for s in generated.values()],
             "iou": folder.certified("reconstructed", "iou"),
             "inverted_tets": inverted if len(inverted) else folder.inverted_shares("reconstructed"),
         }
     )
-    for column in SOLID_METRICS:
+    for column in (*names_of("solids"), "valid"):
         made = folder.of_solids("generated", column)
         section.add_means({column: made if len(made) else folder.of_solids("reconstructed", column)})
     section.add_variety(_samples_for_variety(generated, options), yardstick.threads)
@@ -188,8 +198,8 @@ def _measure_smoothing(
     section.add_feature_distances(_generated_features(clouds, yardstick), len(generated), yardstick.holdout)
     section.add_set_distances(clouds, yardstick.reference)
     section.add_novelty(clouds, yardstick.training)
-    section.count("generated", len(folder.ids("generated")), len(generated))
-    section.count("reconstructed", len(folder.ids("reconstructed")), len(reconstructions))
+    section.count_samples(len(folder.ids("generated")), len(generated))
+    section.count("reconstructed", len(folder.ids("reconstructed")), len(reconstructions.found))
     return section
 
 
@@ -233,19 +243,21 @@ def _generated_features(
 
 def _measure_reconstructions(
     folders: Mapping[str, SampleFolder], meshes: Sequence[Path], options: EvaluationOptions
-) -> dict[str, list[Reconstruction]]:
+) -> dict[str, _Reconstructions]:
     """Every reconstruction against its original, which is sampled once for all smoothings."""
     wanted = {shape_id for folder in folders.values() for shape_id in folder.ids("reconstructed")}
-    measured: dict[str, list[Reconstruction]] = {name: [] for name in folders}
+    measured = {name: _Reconstructions() for name in folders}
     for shape_id, original in repaired_meshes(meshes):
         if shape_id not in wanted:
             continue
         truth = draw_truth(original, shape_id, options)
         for name, folder in folders.items():
             surface = folder.surface("reconstructed", shape_id)
-            if surface is not None:
-                found = measure_reconstruction(surface, original, truth, shape_id, options)
-                measured[name].append(found)
+            if surface is None:
+                measured[name].missing += 1
+                continue
+            found = measure_reconstruction(surface, original, truth, shape_id, options)
+            measured[name].found.append(found)
     return measured
 
 

@@ -55,7 +55,7 @@ def noise_curve(
     seed: int,
     levels: Sequence[float] = NOISE_LEVELS,
 ) -> pd.DataFrame:
-    """Distance of noisy clouds from clean ones of the same kind, a row a level: noise, fid, kid.
+    """Distance of noisy clouds from clean ones of the same kind, one row per level: noise, fid, kid.
 
     An extractor can be trusted only if the distances rise. The noise is the same at every level, scaled.
     """
@@ -71,6 +71,6 @@ def noise_curve(
 
 
 def _pool(arrays: Sequence[Float[np.ndarray, "_ P 3"]], samples: int) -> Float[np.ndarray, "N P 3"]:
-    """So many clouds, an equal share of every category, the categories taking turns."""
+    """`samples` clouds, an equal share of every category, the categories taking turns."""
     share = min(max(samples // len(arrays), 2), *map(len, arrays))
     return np.stack([array[:share] for array in arrays], axis=1).reshape(-1, *arrays[0].shape[1:])

@@ -60,12 +60,12 @@ def measure_folders(
     folders = {name: MeshFolder(path, fit) for name, path in given.items() if path}
     found, real = (_read_shapes(folders[name], name, options) for name in ("samples", "reference"))
     known = _read_training(folders["training"], options) if training else None
-    pairs = _measure_pairs(folders.get("reconstructions"), folders["reference"], options)
+    pairs, missing = _measure_pairs(folders.get("reconstructions"), folders["reference"], options)
     limited = options.at_most(min(len(found.clouds), len(real.clouds)))
     generated = _side(found, limited.samples, classifier)
     halves = _side(real, 2 * max(options.samples, options.sets.shapes), classifier)
     section = _compare(generated, halves, found, training=known, options=limited, threads=threads)
-    section.add_reconstructions([pair.found for pair in pairs])
+    section.add_reconstructions([pair.found for pair in pairs], missing)
     section.notes += frame_notes(np.array(found.boxes), np.array(real.boxes))
     return {
         **{name: str(path) if path else None for name, path in given.items()},
@@ -83,8 +83,9 @@ def measure_folders(
 
 @dataclass
 class _Shapes:
-    """What one pass over a folder leaves of its meshes, which come in random order."""
+    """Clouds and measures from one pass over a folder's meshes, in random order."""
 
+    files: int
     clouds: list[Float[np.ndarray, "P 3"]] = field(default_factory=list)
     samples: list[SurfaceSample] = field(default_factory=list)
     faces: list[int] = field(default_factory=list)
@@ -114,7 +115,7 @@ def _read_shapes(folder: MeshFolder, purpose: str, options: EvaluationOptions) -
     """The order is random, so that the first shapes are always a fair draw."""
     names = choose(folder.files, len(folder.files), options.seed, purpose)
     pool = set(choose(folder.files, pool_size(options.variety), options.seed, "variety"))
-    shapes = _Shapes()
+    shapes = _Shapes(len(folder.files))
     for name, surface in folder.surfaces(names):
         seed = named_seed(options.seed, purpose, name)
         shapes.clouds.append(draw_sample(surface, CLOUD_POINTS, seed).points.astype(np.float32))
@@ -143,11 +144,11 @@ def _read_training(folder: MeshFolder, options: EvaluationOptions) -> Float[np.n
 
 def _measure_pairs(
     found: MeshFolder | None, reference: MeshFolder, options: EvaluationOptions
-) -> list[_Pair]:
-    """Every reconstruction that has an original of its name."""
+) -> tuple[list[_Pair], int]:
+    """Every reconstruction that has an original of its name, and how many of those have no surface."""
     pairs: list[_Pair] = []
     if found is None:
-        return pairs
+        return pairs, 0
     for name, surface in found.surfaces(sorted(found.files)):
         if name not in reference.files:
             found.problems[str(found.files[name])] = f"no '{name}' in {reference.root}"
@@ -159,7 +160,8 @@ def _measure_pairs(
                 measure_reconstruction(each, original, truth, name, options) for each in (surface, original)
             )
             pairs.append(_Pair(*measured))
-    return pairs
+    missing = [name for name in found.unusable() if name in set(reference.files) - reference.unusable()]
+    return pairs, len(missing)
 
 
 def _side(shapes: _Shapes, most: int, classifier: Classifier | None) -> _Side:
@@ -176,8 +178,9 @@ def _compare(
     options: EvaluationOptions,
     threads: int,
 ) -> Section:
-    """One set beside another; `shapes` are those whose meshes and variety are told."""
+    """One set beside another; `shapes` are those whose meshes and variety are measured."""
     section = Section(options)
+    section.count_samples(shapes.files, len(shapes.faces))
     section.add_means({"faces": shapes.faces})
     section.add_topology(shapes.topology)
     section.add_variety(shapes.samples, threads)

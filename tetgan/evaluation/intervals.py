@@ -1,4 +1,4 @@
-"""Intervals by resampling: how far a figure could have moved with other shapes of the same kind."""
+"""Bootstrap and Student intervals of means and set measures."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple

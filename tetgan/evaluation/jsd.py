@@ -1,4 +1,4 @@
-"""Jensen–Shannon divergence of where two sets of shapes have their surfaces."""
+"""Jensen–Shannon divergence of the surface points of two sets, counted in cells."""
 
 import numpy as np
 from jaxtyping import Float

@@ -31,7 +31,7 @@ def bounding_box(vertices: Float[np.ndarray, "V 3"]) -> Float[np.ndarray, "2 3"]
 
 
 def frame_notes(found: Boxes, real: Boxes) -> list[str]:
-    """What to know before distances are read: sizes or places that differ, shapes outside the unit cube."""
+    """Warnings about frames: sizes or places that differ, shapes outside the unit cube."""
     return [*_differences(found, real), *_outside(found, "samples"), *_outside(real, "reference")]
 
 
@@ -48,7 +48,7 @@ def _differences(found: Boxes, real: Boxes) -> list[str]:
         )
     if shift > _SHIFT:
         notes.append(
-            f"**Samples stand {shift:.2g} of a longest side away from the reference (medians of the boxes' "
+            f"**Samples are {shift:.2g} of a longest side away from the reference (medians of the boxes' "
             "centres). Distances measure this, too; --normalise puts every mesh in the unit cube**"
         )
     return notes
@@ -103,6 +103,10 @@ class MeshFolder:
         """Files found, and those of them that have turned out to be unusable."""
         listed = {str(path) for path in self.files.values()} | set(self.problems)
         return {"files": len(listed), "unusable": len(self.problems)}
+
+    def unusable(self) -> set[str]:
+        """Names of the meshes that have turned out to be so."""
+        return {name for name, path in self.files.items() if str(path) in self.problems}
 
     def first_problem(self) -> str:
         """One of the reasons, to end an error message with."""

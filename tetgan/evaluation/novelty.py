@@ -1,4 +1,4 @@
-"""How far generated shapes lie from what the model has seen.
+"""Chamfer distance from generated shapes to the nearest training shape.
 
 The same question is asked in two ways. A table asks it of whole sets, each shape with a few hundred points:
 there all distances at once, in single precision and on a GPU, are quickest. A figure asks it of some samples
@@ -22,7 +22,7 @@ from tetgan.evaluation.chamfer import (
 )
 
 # A quarter of the points costs a sixteenth and orders shapes nearly as all of them do: the nearest is among
-# so many candidates unless that many shapes are nearly as near, and then it makes no difference.
+# this many candidates unless as many shapes are nearly as near, and then it makes no difference.
 _PART = 4
 
 _CANDIDATES = 24

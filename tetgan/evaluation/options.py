@@ -1,4 +1,4 @@
-"""What is measured on generated and reconstructed surfaces, and how finely."""
+"""Options of evaluation: points, shapes, pairs, resamples."""
 
 from typing import Literal
 
@@ -18,7 +18,7 @@ __all__ = [
 
 
 class VarietyOptions(Options):
-    """How much the most similar generated shapes differ."""
+    """Options of variety, the distance of the most similar generated shapes."""
 
     definition: Literal["text", "appendix"] = Field(
         default="text",

@@ -1,4 +1,4 @@
-"""The repaired meshes of a category: what models learn from, and what reconstructions should be."""
+"""Repaired meshes of a category, read from its shards."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path

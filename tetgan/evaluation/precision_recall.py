@@ -1,4 +1,4 @@
-"""Improved precision and recall: what share of each set lies where the other one does."""
+"""Improved precision and recall of features (Kynkäänniemi et al. 2019)."""
 
 import numpy as np
 from jaxtyping import Float
@@ -36,6 +36,6 @@ def precision_recall(sets: TwoSets) -> dict[str, float]:
 
 
 def _radii(within: Float[np.ndarray, "N N"]) -> Float[np.ndarray, "N"]:
-    """Distance of each member to its third nearest neighbour; without end where there are not so many."""
+    """Distance of each member to its third nearest neighbour; infinite where there are fewer."""
     place = min(NEIGHBORS, len(within)) - 1
     return np.partition(within, place, axis=1)[:, place]

@@ -1,16 +1,15 @@
-"""One reconstruction beside its original."""
+"""Metrics of one reconstruction against its original."""
 
 from math import nan
 from typing import NamedTuple
 
-import igl
 import numpy as np
-from jaxtyping import Bool, Float
 
 from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample, compare_surfaces
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.seeds import named_seed
 from tetgan.evaluation.surfaces import Topology, draw_sample, measure_topology
+from tetgan.geometry.inside import is_inside
 from tetgan.geometry.triangles import TriangleMesh
 
 
@@ -24,23 +23,16 @@ def volume_iou(first: TriangleMesh, second: TriangleMesh, points: int, seed: int
     corners = np.concatenate([first.vertices, second.vertices])
     low, high = corners.min(0), corners.max(0)
     queries = low + (high - low) * np.random.default_rng(seed).random((points, 3))
-    in_first, in_second = contains(first, queries), contains(second, queries)
+    # Samples may face inward, or have gaps.
+    in_first, in_second = (
+        is_inside(queries, surface.vertices, surface.faces, either_way=True) for surface in (first, second)
+    )
     either = np.count_nonzero(in_first | in_second)
     return np.count_nonzero(in_first & in_second) / either if either else nan
 
 
-def contains(surface: TriangleMesh, queries: Float[np.ndarray, "P 3"]) -> Bool[np.ndarray, "P"]:
-    """Points around which the surface winds more than half (Barill et al. 2018), whichever way it faces.
-
-    Surfaces with gaps have an inside, too.
-    """
-    vertices = np.ascontiguousarray(surface.vertices, np.float64)
-    faces = np.ascontiguousarray(surface.faces, np.int64)
-    return np.abs(igl.fast_winding_number(vertices, faces, queries)) > 0.5
-
-
 class Reconstruction(NamedTuple):
-    """How far a surface is from the truth, how much their insides overlap, and what it is made of."""
+    """Distance of a surface from the truth, volume IoU, faces and topology."""
 
     distance: SurfaceDistance
     volume_iou: float

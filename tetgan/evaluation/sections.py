@@ -1,4 +1,4 @@
-"""What is measured of one set of surfaces: its figures, and what to know when reading them."""
+"""Metrics of one set of surfaces, with the warnings that belong to them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,8 +10,6 @@ from jaxtyping import Float
 from tetgan.evaluation.chamfer import SurfaceDistance, SurfaceSample, chamfer_between, chamfer_within
 from tetgan.evaluation.coverage import two_sets
 from tetgan.evaluation.estimates import (
-    FEATURE_METRICS,
-    SET_METRICS,
     Estimate,
     feature_estimates,
     jsd_estimate,
@@ -19,6 +17,7 @@ from tetgan.evaluation.estimates import (
     repeats_estimate,
     set_estimates,
 )
+from tetgan.evaluation.metrics import names_of, titles_of
 from tetgan.evaluation.novelty import nearest_training
 from tetgan.evaluation.options import EvaluationOptions
 from tetgan.evaluation.reconstructions import Reconstruction
@@ -92,12 +91,25 @@ class Section:
             known = np.asarray(values, dtype=np.float64)
             self.metrics[name] = mean_estimate(known[~np.isnan(known)], name, self.options)
 
-    def add_reconstructions(self, items: Sequence[Reconstruction]) -> None:
-        """Means of every measure of distance, and of the overlap."""
-        self.add_means(
-            {name: [getattr(item.distance, name) for item in items] for name in SurfaceDistance._fields}
-            | {"volume_iou": [item.volume_iou for item in items]}
-        )
+    def add_reconstructions(self, items: Sequence[Reconstruction], missing: int = 0) -> None:
+        """Means of every measure of distance, and of the overlap.
+
+        Args:
+            items: reconstructions that have a surface.
+            missing: how many have none. They are no item of distances, and 0 in overlap and F-score.
+        """
+        columns = {name: [getattr(item.distance, name) for item in items] for name in SurfaceDistance._fields}
+        columns["volume_iou"] = [item.volume_iou for item in items]
+        columns["empty_reconstructions"] = [0.0] * len(items)
+        for name, value in (("fscore", 0.0), ("volume_iou", 0.0), ("empty_reconstructions", 1.0)):
+            columns[name] += [value] * missing
+        self.add_means(columns)
+        if missing:
+            of_others = titles_of(("chamfer", "chamfer_l1", "normal_consistency", "faces"))
+            self.notes.append(
+                f"{missing} of {len(items) + missing} reconstructions have no surface: {of_others} are of "
+                f"the others, {titles_of(('fscore', 'volume_iou'))} count them as 0"
+            )
 
     def add_topology(self, items: Sequence[Topology]) -> None:
         """Mean shares of edges, and the share of shapes that are closed manifolds."""
@@ -119,11 +131,7 @@ class Section:
         """FID and its kin against the hold-out, missing where either side is too small."""
         needed = self.options.samples
         if found is None or holdout.features is None:
-            self.metrics |= dict.fromkeys(FEATURE_METRICS, Estimate())
-            self.notes.append(
-                f"FID, KID, precision and recall need {needed} surfaces on each side and have {available}, "
-                f"{holdout.available}"
-            )
+            self._leave_out("features", needed, available, holdout.available)
             return
         self.metrics |= feature_estimates(found, holdout.features, self.options)
         if needed < 3 * FEATURES:
@@ -136,11 +144,7 @@ class Section:
         """MMD, COV, 1-NNA and JSD of the first clouds, missing where either side is too small."""
         needed = self.options.sets.shapes
         if len(found) < needed or reference.clouds is None or reference.within is None:
-            self.metrics |= dict.fromkeys(SET_METRICS, Estimate())
-            self.notes.append(
-                f"MMD, COV, 1-NNA and JSD need {needed} surfaces on each side and have {len(found)}, "
-                f"{reference.available}"
-            )
+            self._leave_out("sets", needed, len(found), reference.available)
             return
         found = found[:needed]
         own, real = _part(found, self.options), _part(reference.clouds, self.options)
@@ -160,6 +164,11 @@ class Section:
             return
         self.add_means({"novelty": nearest_training(found, training).distance})
 
+    def _leave_out(self, group: str, needed: int, found: int, real: int) -> None:
+        names = names_of(group)
+        self.metrics |= dict.fromkeys(names, Estimate())
+        self.notes.append(f"{titles_of(names)} need {needed} surfaces on each side and have {found}, {real}")
+
     def note_resampled(self, distances: Sequence[float]) -> None:
         """Say what shapes score against themselves with the points that sets are compared by."""
         if distances:
@@ -169,8 +178,20 @@ class Section:
             )
 
     def count(self, kind: str, expected: int, found: int) -> None:
-        """How many meshes of a kind there should be, and how many have a surface."""
+        """Note how many meshes of a kind there should be, and how many have a surface."""
         self.counts[kind] = {"expected": expected, "found": found}
+
+    def count_samples(self, expected: int, found: int) -> None:
+        """The same of generated shapes, and the share without a surface."""
+        self.count("generated", expected, found)
+        missing = expected - found
+        self.add_means({"empty_samples": [0.0] * found + [1.0] * missing})
+        if missing:
+            of_others = [name for name in names_of("features", "sets", "samples") if name != "empty_samples"]
+            self.notes.append(
+                f"{missing} of {expected} generated shapes have no surface: {titles_of(of_others)} are of "
+                "the others"
+            )
 
     def to_json(self) -> dict[str, Any]:
         """Plain values."""

@@ -1,4 +1,4 @@
-"""Random choices that depend on what they are for, not on the order in which they are made."""
+"""Random choices seeded by their purpose, independent of the order of calls."""
 
 import hashlib
 from collections.abc import Collection
@@ -18,6 +18,6 @@ def named_rng(seed: int, *names: str) -> np.random.Generator:
 
 
 def choose(names: Collection[str], most: int, seed: int, purpose: str) -> list[str]:
-    """At most so many of the names, without replacement; the order in which they come plays no part."""
+    """At most `most` of the names, drawn without replacement, whatever their order."""
     order = named_rng(seed, "choose", purpose).permutation(sorted(names))
     return [str(name) for name in order[:most]]

@@ -1,4 +1,4 @@
-"""Points on a surface, and how far it is from a closed manifold."""
+"""Points sampled on a surface, and counts of its non-manifold edges and vertices."""
 
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ def draw_sample(surface: TriangleMesh, points: int, seed: int) -> SurfaceSample:
 
 
 class Topology(NamedTuple):
-    """How far a surface is from a closed manifold; each field is a metric.
+    """Manifold, boundary and non-manifold edges of a surface; each field is a metric.
 
     Attributes:
         manifold_edges, boundary_edges, nonmanifold_edges: shares of edges with two faces, one, and more.

@@ -1,4 +1,4 @@
-"""How different the most similar shapes of a set are."""
+"""Variety: mean Chamfer distance of the most similar pairs of a set."""
 
 from collections.abc import Sequence
 from itertools import combinations

@@ -1,4 +1,4 @@
-"""Clouds and surfaces to the features that the Fréchet distance compares."""
+"""Features of point clouds and surfaces for FID, KID, precision and recall."""
 
 from typing import Any
 
@@ -40,7 +40,7 @@ def cloud_features(
 
 
 def about_extractor(classifier: Classifier) -> dict[str, Any]:
-    """What a report says of the network behind its features."""
+    """Entries of a report about the network behind its features."""
     return {
         "digest": classifier.digest,
         "accuracy": classifier.accuracy,

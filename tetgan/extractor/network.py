@@ -1,4 +1,4 @@
-"""PointNet++ (single-scale grouping, no normals): its features are what the Fréchet distance compares.
+"""PointNet++ classifier (single-scale grouping, no normals) whose features FID compares.
 
 Qi et al. (2017), "PointNet++: Deep Hierarchical Feature Learning on Point Sets in a Metric Space", the SSG
 of their appendix B. Points are centred and scaled to the unit sphere before they come here.
@@ -26,7 +26,7 @@ FEATURES = 256
 
 
 class Grouping(NamedTuple):
-    """Which points one set abstraction pools: it depends on distances alone, so it survives any rotation."""
+    """Points that one set abstraction pools, chosen by distances alone, so the same after any rotation."""
 
     centers: Int[Tensor, "B S"]
     members: Int[Tensor, "B S K"]
@@ -175,7 +175,7 @@ class SetAbstraction(nn.Module):
         channels: Float[Tensor, "B P C"] | None,
         grouping: Grouping | None,
     ) -> tuple[Float[Tensor, "B S 3"], Float[Tensor, "B S D"]]:
-        """Centers and one feature row a ball; without a grouping one ball at the origin holds everything.
+        """Centers and one feature row per ball; without a grouping one ball at the origin holds everything.
 
         The first layer is linear in (p - c, f), so it runs once a point and once a center, and the balls
         gather its results: the same sums as one product a member, with a fraction of the arithmetic.
@@ -219,7 +219,7 @@ def _gather_rows(rows: Float[Tensor, "B P C"], members: Int[Tensor, "B S K"]) ->
 
 
 class Classifier(NamedTuple):
-    """A trained network, ready to use, and what is known of it."""
+    """A trained network with its digest, categories and accuracy."""
 
     network: PointNet2
     categories: tuple[str, ...]

@@ -1,4 +1,4 @@
-"""How the PointNet++ classifier is trained whose features the Fréchet distance compares."""
+"""Training options of the PointNet++ classifier."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""One Zarr file with the arrays of a shard of shapes, whatever they mean."""
+"""One Zarr file per shard, with named arrays of its shapes."""
 
 import shutil
 import tempfile

@@ -26,7 +26,7 @@ class ShardEntry(Options):
 
 
 class ShardIndex(Options):
-    """What every `index.json` holds."""
+    """Contents common to every `index.json`."""
 
     shards: list[ShardEntry]
 
@@ -55,7 +55,7 @@ def enter_shards(readers: Mapping[Path, Reader[Any]], catalogue: Path, out: Path
         catalogue: CSV with columns `id` and `split`; only shapes that are in a shard count.
 
     Raises:
-        UserError: a shape stands in two shards or not in the catalogue.
+        UserError: a shape is in two shards or not in the catalogue.
     """
     splits = _splits_of(readers, catalogue)
     return [
@@ -125,7 +125,7 @@ class ShardedStore(ABC, Generic[Shape_co]):
 
 
 def _splits_of(readers: Mapping[Path, Reader[Any]], catalogue: Path) -> dict[str, str]:
-    """The split of every shape in the shards, each of which must be known and stand in one shard only."""
+    """The split of every shape in the shards, each of which must be known and in one shard only."""
     known = _read_splits(catalogue)
     splits: dict[str, str] = {}
     for path, reader in readers.items():

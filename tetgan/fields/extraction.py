@@ -7,10 +7,11 @@ import numpy as np
 from jaxtyping import Float, Int
 from rich.console import Console
 from rich.progress import track
-from scipy import sparse
 
 from tetgan.fields.field import Field
 from tetgan.fields.store import write_shard
+from tetgan.geometry.components import label_components
+from tetgan.geometry.inside import is_inside
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import grid_from_options
 from tetgan.grids.options import GridOptions
@@ -34,8 +35,8 @@ def extract_field(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
     vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int64)
     squared, _, closest = igl.point_mesh_squared_distance(grid.centroids, vertices, faces)
     asked, region = _regions(np.sqrt(squared), grid)
-    winding = igl.fast_winding_number(vertices, faces, grid.centroids[asked])
-    return Field((winding > 0.5)[region], (closest - grid.centroids).astype(np.float32))
+    occupied = is_inside(grid.centroids[asked], vertices, faces)
+    return Field(occupied[region], (closest - grid.centroids).astype(np.float32))
 
 
 def _regions(
@@ -50,9 +51,8 @@ def _regions(
     others = grid.neighbors[tets, slots]
     apart = np.linalg.norm(grid.centroids[tets] - grid.centroids[others], axis=1)
     joined = apart < np.maximum(distances[tets], distances[others])
-    links = sparse.coo_array((joined[joined], (tets[joined], others[joined])), shape=2 * (len(grid.tets),))
-    count, region = sparse.csgraph.connected_components(links, directed=False)
-    furthest = np.empty(count, dtype=np.int64)
+    region = label_components(tets[joined], others[joined], len(grid.tets))
+    furthest = np.empty(region.max() + 1, dtype=np.int64)
     order = np.argsort(distances)
     furthest[region[order]] = order  # of several writes to one place the last one stays
     return furthest, region

@@ -1,4 +1,4 @@
-"""How shapes are sampled for models that learn from no grid: an entry of the config under `samplings`."""
+"""Options of points and voxels, the entries under `samplings` of the config."""
 
 from typing import Annotated, Literal
 

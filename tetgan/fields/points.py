@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 
-import igl
 import numpy as np
 from jaxtyping import Bool, Float, Float32, Int
+
+from tetgan.geometry.inside import is_inside
 
 
 def draw_points(
@@ -28,17 +29,3 @@ def draw_points(
     draws = np.random.default_rng(seed).random((count, 3))
     points = (0.5 + box * (draws - 0.5)).astype(np.float16).astype(np.float64)
     return points.astype(np.float32), is_inside(points, vertices, faces)
-
-
-def is_inside(
-    points: Float[np.ndarray, "N 3"], vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
-) -> Bool[np.ndarray, "N"]:
-    """Where the winding number (Barill et al. 2018) is above ½.
-
-    Raises:
-        ValueError: the mesh has no faces.
-    """
-    if len(faces) == 0:
-        raise ValueError("a mesh without faces has no inside")
-    vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int64)
-    return np.asarray(igl.fast_winding_number(vertices, faces, points) > 0.5)

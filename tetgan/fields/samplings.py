@@ -31,7 +31,7 @@ class _Index(ShardIndex):
     digests: list[str]
 
 
-def sample_shard(meshes: Path, out: Path, options: Sampling) -> None:
+def extract_samplings(meshes: Path, out: Path, options: Sampling) -> None:
     """Stage: sample every mesh of an archive; one mesh is in memory at a time.
 
     Raises:
@@ -54,7 +54,7 @@ def index_samplings(shards: Sequence[Path], catalogue: Path, options: Sampling, 
         options: what the shards were made with.
 
     Raises:
-        UserError: a shard is damaged or was made with other options, a shape stands in two shards or not in
+        UserError: a shard is damaged or was made with other options, a shape is in two shards or not in
             the catalogue, or there is no training shape.
     """
     entries = enter_shards({path: _open_shard(path, options) for path in shards}, catalogue, out)
@@ -65,7 +65,7 @@ def index_samplings(shards: Sequence[Path], catalogue: Path, options: Sampling, 
 
 
 class SamplingStore(ShardedStore[Arrays]):
-    """What the data sets of points and of voxels have in common."""
+    """Base class of the data sets of points and of voxels."""
 
     def __init__(self, path: Path, index: _Index) -> None:
         super().__init__(path, index)
@@ -73,7 +73,7 @@ class SamplingStore(ShardedStore[Arrays]):
 
     @property
     def options(self) -> Sampling:
-        """How the shapes were sampled."""
+        """Options with which the shapes were sampled."""
         return self._index.sampling
 
     @cached_property

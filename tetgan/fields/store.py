@@ -91,7 +91,7 @@ def index_fields(shards: Sequence[Path], catalogue: Path, grid: GridOptions, out
         grid: the options that the fields were extracted with.
 
     Raises:
-        UserError: a shard is damaged or of another grid, a shape stands in two shards or not in the
+        UserError: a shard is damaged or of another grid, a shape is in two shards or not in the
             catalogue, or there is no training shape.
     """
     hierarchy = grid_from_options(grid)
@@ -181,7 +181,7 @@ class FieldStore(ShardedStore[Field]):
         return batch
 
     def tensor(self, ids: Sequence[str]) -> Float32[np.ndarray, "B T 4"]:
-        """What the networks read: occupancy 0 or 1, then displacement / `max_displacement` within [-1, 1]."""
+        """Input of the networks: occupancy 0 or 1, then displacement / `max_displacement` within [-1, 1]."""
         tensor = np.empty((len(ids), len(self.hierarchy.finest.tets), 4), dtype=np.float32)
         for row, shape_id in zip(tensor, ids, strict=True):
             field = self.read(shape_id)

@@ -4,7 +4,7 @@ import igl
 import numpy as np
 from jaxtyping import Float, Float32, Int
 
-from tetgan.fields.points import is_inside
+from tetgan.geometry.inside import is_inside
 
 CLAMP = 0.1
 """Greatest distance kept, in cube sides, as ShapeGAN has it."""

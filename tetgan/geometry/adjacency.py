@@ -1,4 +1,4 @@
-"""Who touches whom in a set of tets."""
+"""Faces, edges and face neighbours of a set of tets."""
 
 import numpy as np
 from jaxtyping import Int

@@ -1,14 +1,14 @@
-"""Whether a surface of triangles is a closed manifold, and into which shells it falls."""
+"""Edges, vertex fans and shells of a triangle surface, and whether it is a closed manifold."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from tetgan.geometry.adjacency import unique_edges
+from tetgan.geometry.components import label_components
+from tetgan.geometry.triangles import six_cones
 
 _SIDES = np.array([[0, 1], [0, 2], [1, 2]])  # as `unique_edges` lists them
 
@@ -17,7 +17,7 @@ _OPPOSITE = np.array([2, 1, 0])
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Faces that turn counter-clockwise seen from outside, and what is wrong with them.
+    """Faces that turn counter-clockwise seen from outside, with counts of their defects.
 
     A fan is a closed ring of faces around a vertex, each joined to the next by an edge of two faces.
     """
@@ -76,8 +76,8 @@ class Boundary:
         lower = np.where(rises, corners[..., 0], corners[..., 1]).ravel()
         upper = np.where(rises, corners[..., 1], corners[..., 0]).ravel()
         one, other = self._pairs.T
-        links = np.concatenate([lower[one], upper[one]]), np.concatenate([lower[other], upper[other]])
-        fan_of_corner = _labels(links, self.faces.size)
+        here, there = (np.concatenate([lower[side], upper[side]]) for side in (one, other))
+        fan_of_corner = label_components(here, there, self.faces.size)
         vertex_of_fan = np.zeros(fan_of_corner.max() + 1, dtype=np.int64)
         vertex_of_fan[fan_of_corner] = self.faces.ravel()
         fans = np.bincount(vertex_of_fan)
@@ -93,8 +93,8 @@ class Boundary:
         each. So a shell is what encloses one void, or the solid's outside, as far as that can be reached
         without passing a point.
         """
-        links = np.concatenate([self._pairs // 3, self._wedges(vertices)]).T
-        return _labels((links[0], links[1]), len(self.faces))
+        one, other = np.concatenate([self._pairs // 3, self._wedges(vertices)]).T
+        return label_components(one, other, len(self.faces))
 
     def _wedges(self, vertices: Float[np.ndarray, "V 3"]) -> Int[np.ndarray, "N 2"]:
         """Faces on both sides of the empty wedges at edges of more than two faces."""
@@ -122,8 +122,7 @@ def shell_volumes(
     if len(faces) == 0:
         return np.empty(0)
     corners = vertices[faces]
-    corners = corners - corners.mean(axis=(0, 1))
-    return np.bincount(shell, weights=np.linalg.det(corners) / 6)
+    return np.bincount(shell, weights=six_cones(corners, corners.mean(axis=(0, 1)))) / 6
 
 
 def _angles_around(
@@ -139,9 +138,3 @@ def _angles_around(
     # Across the axis: `ahead` towards zero and `right` a quarter turn on, both of the same length.
     ahead = np.cross(right, axis) / np.maximum(length, np.finfo(float).tiny)[:, None]
     return np.arctan2(((point - start) * right).sum(axis=1), ((point - start) * ahead).sum(axis=1))
-
-
-def _labels(links: tuple[Int[np.ndarray, "L"], Int[np.ndarray, "L"]], count: int) -> Int[np.ndarray, "N"]:
-    """Number of the connected part that each of `count` nodes belongs to."""
-    graph = sparse.coo_array((np.ones(len(links[0]), dtype=bool), links), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64)

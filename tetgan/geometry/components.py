@@ -1,4 +1,4 @@
-"""How the tets of any mesh hang together: across faces, and where they stop."""
+"""Connected components: of any graph, and of tets joined by faces."""
 
 from dataclasses import dataclass
 
@@ -10,9 +10,20 @@ from scipy.sparse.csgraph import connected_components
 from tetgan.geometry.adjacency import FACES, face_keys
 
 
+def label_components(
+    one: Int[np.ndarray, "L"], other: Int[np.ndarray, "L"], count: int
+) -> Int[np.ndarray, "N"]:
+    """Number of the component that each of `count` nodes belongs to; `one` and `other` are linked.
+
+    Components are numbered from 0 in the order of their first nodes.
+    """
+    links = sparse.coo_array((np.ones(len(one), dtype=bool), (one, other)), shape=(count, count))
+    return connected_components(links, directed=False)[1].astype(np.int64)
+
+
 @dataclass(frozen=True, eq=False)
 class Connectivity:
-    """Tets joined by faces, whatever is wrong with them.
+    """Tets joined by faces, of any mesh, broken ones included.
 
     Attributes:
         faces: (F, 3) faces of one tet only, facing away from it when the tet is positive.
@@ -57,6 +68,4 @@ def _components(face: Int[np.ndarray, "N"], count: int) -> Int[np.ndarray, "T"]:
     """Pieces of tets, of which number 0 has the faces 0..3, number 1 the faces 4..7, and so on."""
     order = np.argsort(face, kind="stable")
     same = np.flatnonzero(np.diff(face[order]) == 0)
-    links = order[same] // 4, order[same + 1] // 4
-    graph = sparse.coo_array((np.ones(len(same), dtype=bool), links), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    return label_components(order[same] // 4, order[same + 1] // 4, count)

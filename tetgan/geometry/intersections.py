@@ -1,4 +1,4 @@
-"""Where a surface passes through itself."""
+"""Self-intersections of a triangle surface."""
 
 import igl.predicates
 import numpy as np

@@ -1,9 +1,9 @@
-"""Which points have a free line to the outside, by Embree."""
+"""Rays against triangles, by Embree: what they hit, how far away, and which points see the outside."""
 
 from functools import lru_cache
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 # Start of a ray past a triangle, in the units of a shape of size 1: clear of it in float32.
 _PAST = 1e-5
@@ -13,11 +13,11 @@ class Visibility:
     """Rays against one set of triangles (F, 3, 3)."""
 
     def __init__(self, triangles: Float[np.ndarray, "F 3 3"]) -> None:
-        from embreex.mesh_construction import TriangleMesh  # noqa: PLC0415
+        from embreex import mesh_construction  # noqa: PLC0415
         from embreex.rtcore_scene import EmbreeScene  # noqa: PLC0415
 
         self._scene = EmbreeScene()
-        TriangleMesh(self._scene, np.ascontiguousarray(triangles, dtype=np.float32))
+        mesh_construction.TriangleMesh(self._scene, np.ascontiguousarray(triangles, dtype=np.float32))
 
     def sees_out(
         self,
@@ -25,7 +25,7 @@ class Visibility:
         directions: Float[np.ndarray, "#P 3"],
         reach: float = 1e30,
     ) -> Bool[np.ndarray, "P"]:
-        """Whether a ray from each origin along its unit direction meets nothing within reach."""
+        """Whether a ray from each origin meets nothing within `reach` times the length of its direction."""
         rays = np.ascontiguousarray(np.broadcast_to(directions, origins.shape), dtype=np.float32)
         lengths = np.full(len(rays), reach, dtype=np.float32)
         return self._scene.run(origins.astype(np.float32), rays, dists=lengths, query="OCCLUDED") == -1
@@ -34,11 +34,11 @@ class Visibility:
         self, origins: Float[np.ndarray, "P 3"], direction: Float[np.ndarray, "3"]
     ) -> Float[np.ndarray, "P"]:
         """Thickness, across it, of the first wall met, from the ray's entry to its exit; inf if none."""
-        entries, normals = self._first_hit(origins, direction)
+        _, entries, normals = self._first_hit(origins, direction)
         met = np.isfinite(entries)
         thickness = np.full(len(origins), np.inf)
         inside = origins[met] + (entries[met, None] + _PAST) * direction
-        through, _ = self._first_hit(inside, direction)
+        _, through, _ = self._first_hit(inside, direction)
         thickness[met] = (through + _PAST) * np.abs(normals[met] @ direction)
         return thickness
 
@@ -46,17 +46,25 @@ class Visibility:
         self, origins: Float[np.ndarray, "P 3"], directions: Float[np.ndarray, "P 3"]
     ) -> Float[np.ndarray, "P"]:
         """Distance along each unit direction to the first triangle, inf if there is none."""
-        return self._first_hit(origins, directions)[0]
+        return self._first_hit(origins, directions)[1]
+
+    def first_faces(
+        self, origins: Float[np.ndarray, "P 3"], direction: Float[np.ndarray, "3"]
+    ) -> tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P"]]:
+        """Number of the first triangle that each ray meets, -1 if there is none, and its distance."""
+        faces, distances, _ = self._first_hit(origins, direction)
+        return faces, distances
 
     def _first_hit(
         self, origins: Float[np.ndarray, "P 3"], directions: Float[np.ndarray, "*rays 3"]
-    ) -> tuple[Float[np.ndarray, "P"], Float[np.ndarray, "P 3"]]:
-        """Distance to the first triangle, inf if there is none, and its unit normal."""
+    ) -> tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P"], Float[np.ndarray, "P 3"]]:
+        """The first triangle, -1 if there is none; its distance, inf if there is none; its unit normal."""
         rays = np.ascontiguousarray(np.broadcast_to(directions, origins.shape), dtype=np.float32)
         hits = self._scene.run(origins.astype(np.float32), rays, output=True)
-        missed = hits["primID"] == -1
+        faces = hits["primID"].astype(np.int64)
         normals = hits["Ng"] / np.maximum(np.linalg.norm(hits["Ng"], axis=1, keepdims=True), 1e-30)
-        return np.where(missed, np.inf, hits["tfar"]).astype(np.float64), normals.astype(np.float64)
+        distances = np.where(faces == -1, np.inf, hits["tfar"]).astype(np.float64)
+        return faces, distances, normals.astype(np.float64)
 
     def sees_out_on_side(
         self, origins: Float[np.ndarray, "P 3"], normals: Float[np.ndarray, "P 3"], count: int

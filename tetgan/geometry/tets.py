@@ -1,12 +1,48 @@
-"""Volume, orientation, angles and quality of tets."""
+"""Tet meshes; volume, orientation, angles and quality of tets."""
 
+from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import igl.predicates
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.geometry.adjacency import EDGES, FACES
+from tetgan.geometry.adjacency import EDGES, FACES, face_neighbors, unique_edges
+from tetgan.geometry.triangles import area_normals
+
+
+@dataclass(frozen=True, eq=False)
+class TetMesh:
+    """Tets on shared vertices.
+
+    Attributes:
+        vertices: (V, 3) float64.
+        tets: (T, 4) int64 vertex indices.
+    """
+
+    vertices: Float[np.ndarray, "V 3"]
+    tets: Int[np.ndarray, "T 4"]
+
+    @cached_property
+    def centroids(self) -> Float[np.ndarray, "T 3"]:
+        """Mean of the four vertices."""
+        return self.vertices[self.tets].mean(axis=1)
+
+    @cached_property
+    def volumes(self) -> Float[np.ndarray, "T"]:
+        """Signed volumes, positive where det(v1-v0, v2-v0, v3-v0) is."""
+        return tet_volumes(self.vertices, self.tets)
+
+    @cached_property
+    def neighbors(self) -> Int[np.ndarray, "T 4"]:
+        """Slot s is the tet across the face opposite local vertex s; -1 where there is none."""
+        return face_neighbors(self.tets)
+
+    @cached_property
+    def edges(self) -> Int[np.ndarray, "E 2"]:
+        """Every edge once, smaller vertex first."""
+        return unique_edges(self.tets)[0]
 
 
 def tet_volumes(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Float[np.ndarray, "T"]:
@@ -34,8 +70,7 @@ def dihedral_angles(
 
     A tet flattened to a plane has angles of 0 and 180; at a face without area the angle is 0.
     """
-    corners = vertices[tets[:, FACES]]
-    normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+    normals = area_normals(vertices[tets[:, FACES]])
     # Faces i and j meet at the edge that has neither of the vertices i and j: the opposite one in EDGES.
     one, other = np.moveaxis(normals[:, EDGES[::-1]], 2, 0)
     sine = np.linalg.norm(np.cross(one, other), axis=-1)
@@ -50,8 +85,7 @@ def radius_ratios(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4
     """
     corners = vertices[tets]
     one, two, three = np.moveaxis(corners[:, 1:] - corners[:, :1], 1, 0)
-    sides = corners[:, FACES]
-    areas = np.linalg.norm(np.cross(sides[:, :, 1] - sides[:, :, 0], sides[:, :, 2] - sides[:, :, 0]), axis=2)
+    areas = np.linalg.norm(area_normals(corners[:, FACES]), axis=2)
     crosses = np.cross(two, three), np.cross(three, one), np.cross(one, two)
     squares = ((edge**2).sum(axis=1)[:, None] for edge in (one, two, three))
     # With v six times the volume: inner radius v / sum(areas), outer |w| / 2v; areas are doubled here.

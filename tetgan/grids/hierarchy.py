@@ -35,7 +35,7 @@ _CHILDREN = np.array(
 
 
 # Grids read from files are snapped to multiples of 1/630,000: coarser than the single-precision noise of
-# `.tet` files (0.8 stands there as 0.8000001), so equal lengths compare equal, and exact for decimals of four
+# `.tet` files (0.8 is 0.8000001 there), so equal lengths compare equal, and exact for decimals of four
 # places and for lattices of up to ten cells.
 _SNAP = 630_000
 

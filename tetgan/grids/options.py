@@ -1,4 +1,4 @@
-"""Which grid: a lattice of so many cells, or a `.tet` file, subdivided so many times."""
+"""Options of a grid: a lattice or a `.tet` file, and the number of subdivisions."""
 
 from pathlib import Path
 

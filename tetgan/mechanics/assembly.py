@@ -14,6 +14,8 @@ from jaxtyping import Bool, Float, Int
 from scipy import sparse
 from skfem.element import ElementTetP1, ElementTetP2
 
+from tetgan.geometry.tets import TetMesh
+from tetgan.geometry.triangles import area_normals
 from tetgan.mechanics.options import Material
 from tetgan.mechanics.regions import BoundaryFaces
 
@@ -23,7 +25,7 @@ _ELEMENTS = {1: ElementTetP1, 2: ElementTetP2}
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
+class Body(TetMesh):
     """A mesh and its elements, of degree 1 or 2.
 
     Attributes:
@@ -32,8 +34,6 @@ class Body:
         order: degree of the elements; those of degree 2 have a node at the middle of each edge too.
     """
 
-    vertices: Float[np.ndarray, "V 3"]
-    tets: Int[np.ndarray, "T 4"]
     order: int
 
     @cached_property
@@ -58,7 +58,7 @@ class Body:
         """The same faces as regions choose from them, in mesh units of `size` metres."""
         corners = self.vertices[self.mesh.facets[:, self.boundary].T] / size
         inner = self.vertices[self.tets[self.mesh.f2t[0, self.boundary]]].mean(axis=1) / size
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals = area_normals(corners)
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
         outward = np.einsum("fc,fc->f", normals, corners.mean(axis=1) - inner) > 0
         low, high = self.vertices.min(axis=0) / size, self.vertices.max(axis=0) / size

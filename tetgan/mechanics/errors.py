@@ -1,4 +1,4 @@
-"""Why a mesh cannot be simulated."""
+"""The reasons for which a mesh cannot be simulated."""
 
 from tetgan.errors import UserError
 

@@ -1,12 +1,12 @@
-"""The pieces that a tet mesh falls into, and whether each is held."""
+"""Face-connected pieces of a tet mesh, and whether each is held by a support."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from tetgan.geometry.components import connect_tets
+from tetgan.geometry.tets import TetMesh
 from tetgan.mechanics.assembly import rigid_motions
 from tetgan.mechanics.errors import UnfitError
-from tetgan.rendering.meshes import Solid
 
 _LOOSE = 1e-6  # how little of a motion the supports may see, over what they see of another, to leave it free
 
@@ -26,7 +26,7 @@ def label_pieces(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "T"]:
     return found.component
 
 
-def largest_piece(solid: Solid) -> Solid:
+def largest_piece(solid: TetMesh) -> TetMesh:
     """The piece with the most tets, on the vertices it uses; of equal ones the first.
 
     Raises:
@@ -35,7 +35,7 @@ def largest_piece(solid: Solid) -> Solid:
     labels = label_pieces(solid.tets)
     kept = solid.tets[labels == np.bincount(labels).argmax()]
     used, compact = np.unique(kept, return_inverse=True)
-    return Solid(solid.vertices[used], compact.reshape(-1, 4))
+    return TetMesh(solid.vertices[used], compact.reshape(-1, 4))
 
 
 def count_free_motions(points: Float[np.ndarray, "N 3"], held: Bool[np.ndarray, "N 3"]) -> int:

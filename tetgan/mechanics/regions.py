@@ -1,4 +1,4 @@
-"""Parts of a boundary, chosen by where they are: where a body is held, and where forces act."""
+"""Regions of a boundary, by name or box, where a body is held or loaded."""
 
 import re
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ _FORCE = re.compile(rf"({_NUMBER}(?:,{_NUMBER},{_NUMBER})?) ?(k?)N")
 
 @dataclass(frozen=True, eq=False)
 class BoundaryFaces:
-    """What a region chooses from.
+    """Boundary faces from which regions choose.
 
     Attributes:
         corners: (F, 3, 3) of each face its corners, in the units of the mesh.
@@ -68,7 +68,7 @@ def parse_support(text: str) -> Support:
     """
     region, stroke, letters = text.partition("/")
     if stroke and not re.fullmatch("[xyz]+", letters):
-        raise UserError(f"fix: '{text}': after '/' stand the directions held, such as '/y' or '/xz'")
+        raise UserError(f"fix: '{text}': after '/' come the directions held, such as '/y' or '/xz'")
     x, y, z = (axis in (letters or "xyz") for axis in "xyz")
     return Support(region, (x, y, z))
 
@@ -91,7 +91,7 @@ def parse_load(text: str) -> Load:
 
 
 def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.ndarray, "F"]:
-    """Which faces a region holds: by name those that look to a side and lie near it; those centred in a box.
+    """Faces of a region: by name those that look to a side and lie near it, or those centred in a box.
 
     Args:
         reach: depth of a named side, over the mesh's longest extent.
@@ -116,7 +116,7 @@ def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.nda
 def carry_over(
     chosen: Bool[np.ndarray, "F"], faces: BoundaryFaces, others: BoundaryFaces
 ) -> Bool[np.ndarray, "G"]:
-    """Which faces of another mesh of the same surface lie nearest to chosen ones, by their centroids."""
+    """Faces of another mesh of the same surface nearest to chosen ones, by their centroids."""
     vertices, count = faces.corners.reshape(-1, 3), len(chosen)
     _, nearest, _ = igl.point_mesh_squared_distance(
         others.middles, vertices, np.arange(3 * count).reshape(-1, 3)

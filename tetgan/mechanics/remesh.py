@@ -1,4 +1,4 @@
-"""The inside of a solid meshed anew, from its surface alone."""
+"""Tet mesh of a solid made anew from its surface (fTetWild)."""
 
 from importlib.util import find_spec
 from typing import ClassVar
@@ -6,9 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from tetgan.geometry.adjacency import boundary_faces
-from tetgan.geometry.tets import tet_volumes
+from tetgan.geometry.tets import TetMesh, tet_volumes
 from tetgan.geometry.triangles import TriangleMesh
-from tetgan.rendering.meshes import Solid
 from tetgan.shapes.isolation import MeshWorker
 
 
@@ -23,7 +22,7 @@ class RemeshWorker(MeshWorker):
     task: ClassVar[str] = "remeshing"
     module: ClassVar[str] = "tetgan.mechanics.remesh_worker"
 
-    def remesh(self, solid: Solid) -> Solid:
+    def remesh(self, solid: TetMesh) -> TetMesh:
         """Tets that fill the surface of a solid, without the old ones.
 
         Raises:
@@ -36,4 +35,4 @@ class RemeshWorker(MeshWorker):
         turned = tet_volumes(vertices, tets) < 0
         tets[turned] = tets[turned][:, [0, 2, 1, 3]]
         used, compact = np.unique(tets, return_inverse=True)
-        return Solid(vertices[used], compact.reshape(-1, 4))
+        return TetMesh(vertices[used], compact.reshape(-1, 4))

@@ -1,4 +1,4 @@
-"""The child process of remeshing: fTetWild may crash or take hours, and ends nothing but this process.
+"""Child process of remeshing, with a time limit, since fTetWild may crash or take hours.
 
 Run as `python -m tetgan.mechanics.remesh_worker OPTIONS_JSON`; surfaces come on stdin, tets go.
 """

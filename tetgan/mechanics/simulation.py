@@ -13,7 +13,7 @@ from scipy import sparse
 
 from tetgan.errors import UserError
 from tetgan.files import check_suffix, whole_file
-from tetgan.geometry.tets import orientations, tet_volumes
+from tetgan.geometry.tets import TetMesh, orientations, tet_volumes
 from tetgan.mechanics.assembly import (
     Body,
     face_weights,
@@ -29,11 +29,9 @@ from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.pieces import count_free_motions, label_pieces
 from tetgan.mechanics.regions import DOWN, BoundaryFaces, carry_over, choose_faces, parse_load, parse_support
 from tetgan.mechanics.solver import DIRECT_BELOW, Solution, solve
-from tetgan.rendering.meshes import Solid
-from tetgan.solids.reading import read_solid
 
 
-def cut_tets(solid: Solid, times: int) -> Solid:
+def cut_tets(solid: TetMesh, times: int) -> TetMesh:
     """Each tet cut into eight, so many times; the old vertices come first."""
     if times == 0:
         return solid
@@ -43,7 +41,7 @@ def cut_tets(solid: Solid, times: int) -> Solid:
     vertices, tets = np.ascontiguousarray(mesh.p.T), mesh.t.T.astype(np.int64)
     turned = tet_volumes(vertices, tets) < 0
     tets[turned] = tets[turned][:, [0, 2, 1, 3]]
-    return Solid(vertices, tets)
+    return TetMesh(vertices, tets)
 
 
 GRAVITY = 9.81  # m/s^2
@@ -53,7 +51,7 @@ BODIES = (".vtu", ".vtk")
 
 
 class Push(NamedTuple):
-    """Where a load acts, and its force in newtons."""
+    """Faces on which a load acts, and its force in newtons."""
 
     places: Float[np.ndarray, "P 3"]
     force: tuple[float, float, float]
@@ -66,7 +64,7 @@ class Simulation:
     Attributes:
         vertices: (V, 3) of the body without loads, in the units of its mesh.
         tets: (T, 4), those of the mesh or the finer ones that `refine` asks for.
-        size: metres that one of these units stands for.
+        size: metres per unit of these.
         displacement: (V, 3) of the vertices, in metres.
         stress: (T,) von Mises stress in each tet, in Pa: of the mean stress in it.
         load: (3,) sum of all forces on the body, its weight included, in newtons.
@@ -97,7 +95,7 @@ class Simulation:
         """Figures of the simulation, by name; lengths in metres, stresses in Pa.
 
         The highest stress grows without bound as tets get finer where the surface has a sharp inner edge, so
-        the 99th percentile over the tets stands beside it.
+        the 99th percentile over the tets is beside it.
         """
         return {
             "tets": len(self.tets),
@@ -144,7 +142,7 @@ class _Regions:
 
 
 def simulate(
-    solid: Solid, case: LoadCase, *, surface: Solid | None = None, direct_below: int = DIRECT_BELOW
+    solid: TetMesh, case: LoadCase, *, surface: TetMesh | None = None, direct_below: int = DIRECT_BELOW
 ) -> Simulation:
     """Deform a solid.
 
@@ -171,11 +169,11 @@ def simulate(
     return _finish(problem, finer, matrix, solution)
 
 
-def _pose(solid: Solid, case: LoadCase, surface: Solid) -> _Problem:
+def _pose(solid: TetMesh, case: LoadCase, surface: TetMesh) -> _Problem:
     """Regions looked up on a surface, and forces spread over the nodes."""
     body = Body(solid.vertices * case.size, solid.tets, case.order)
     faces = body.boundary_faces(case.size)
-    named = faces if surface is solid else Body(*surface, order=1).boundary_faces(1.0)
+    named = faces if surface is solid else Body(surface.vertices, surface.tets, order=1).boundary_faces(1.0)
     regions = _Regions(named, faces, case.reach)
     held = _held(body, regions, case)
     forces, pushes = _forces(body, regions, case)
@@ -184,7 +182,7 @@ def _pose(solid: Solid, case: LoadCase, surface: Solid) -> _Problem:
     return _Problem(body, case, forces, pushes, held)
 
 
-def _finish(problem: _Problem, solid: Solid, matrix: sparse.bsr_array, solution: Solution) -> Simulation:
+def _finish(problem: _Problem, solid: TetMesh, matrix: sparse.bsr_array, solution: Solution) -> Simulation:
     """What follows from the displacement of the nodes."""
     body, stuff = problem.body, problem.case.stuff
     moved = solution.displacement.reshape(-1, 3)
@@ -202,13 +200,13 @@ def _finish(problem: _Problem, solid: Solid, matrix: sparse.bsr_array, solution:
         work=float((problem.forces * moved).sum()),
         pushes=problem.pushes,
         feet=body.nodes[problem.held.any(axis=1)] / problem.case.size,
-        mass=stuff.density * float(tet_volumes(body.vertices, body.tets).sum()),
+        mass=stuff.density * float(body.volumes.sum()),
         unknowns=moved.size,
         solution=solution,
     )
 
 
-def _check_tets(solid: Solid) -> None:
+def _check_tets(solid: TetMesh) -> None:
     """Refuse what has no solution, or one that means nothing."""
     if len(solid.tets) == 0:
         raise UnfitError("no tets", "the mesh has no tets")
@@ -267,16 +265,6 @@ def _check_held(problem: _Problem) -> None:
             f"{len(loose)} of {len(free)} pieces ({tets} of {len(labels)} tets) are not held by '{where}';"
             " simulate the largest piece alone (--largest), or hold the others too",
         )
-
-
-def read_body(path: Path) -> Solid:
-    """The tets of a file, and the vertices they use.
-
-    Raises:
-        UserError: it cannot be read, holds no tets, or a face has more than two.
-    """
-    mesh = read_solid(path)
-    return Solid(mesh.vertices, mesh.tets)
 
 
 def write_simulation(path: Path, result: Simulation) -> None:

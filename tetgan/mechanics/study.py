@@ -1,4 +1,4 @@
-"""Many samples under one load: which can be simulated, how they bend, and whether the mesh matters."""
+"""Study of samples under one load: share simulated, displacements, and those of remeshed bodies."""
 
 import logging
 import time
@@ -16,14 +16,15 @@ from scipy.spatial import Delaunay, QhullError
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
-from tetgan.geometry.tets import orientations, tet_volumes
+from tetgan.geometry.tets import TetMesh, orientations, tet_volumes
 from tetgan.mechanics.errors import UnfitError
 from tetgan.mechanics.options import LoadCase, SimulationOptions
 from tetgan.mechanics.pieces import label_pieces, largest_piece
 from tetgan.mechanics.remesh import RemeshWorker, can_remesh
-from tetgan.mechanics.simulation import Simulation, read_body, simulate
-from tetgan.rendering.meshes import Solid, finished_samples, sample_ids
+from tetgan.mechanics.simulation import Simulation, simulate
 from tetgan.shapes.cleaning import ShapeError
+from tetgan.solids.folder import finished_samples, sample_ids
+from tetgan.solids.reading import read_solid
 
 log = logging.getLogger(__name__)
 
@@ -42,7 +43,7 @@ class Shown(NamedTuple):
     standing: bool
 
 
-def study_simulation(
+def simulate_samples(
     samples: Path, out: Path, options: SimulationOptions, identity: Mapping[str, Any]
 ) -> None:
     """Simulate the samples of a model and write a row for each.
@@ -101,19 +102,19 @@ def first_standing(samples: Path, case: LoadCase) -> Shown:
     return fallback
 
 
-def _pieces_in_order(folder: Path) -> Iterator[tuple[str, Solid, bool]]:
+def _pieces_in_order(folder: Path) -> Iterator[tuple[str, TetMesh, bool]]:
     """Largest pieces of valid tets and whether each is all of its sample: first those that are."""
-    parts: list[tuple[str, Solid]] = []
+    parts: list[tuple[str, TetMesh]] = []
     for name in sample_ids(folder, "generated"):
         path = folder / "generated" / f"{name}.vtu"
         if not path.is_file():
             continue
-        solid = read_body(path)
+        solid = read_solid(path)
         try:
             piece = largest_piece(solid)
         except UnfitError:
             continue
-        if (orientations(*piece) <= 0).any():
+        if (orientations(piece.vertices, piece.tets) <= 0).any():
             continue
         if len(piece.tets) == len(solid.tets):
             yield name, piece, True
@@ -136,12 +137,12 @@ def _in_hull(point: Float[np.ndarray, "2"], points: Float[np.ndarray, "P 2"]) ->
         return False
 
 
-def _simulate_one(folder: Path, name: str, case: LoadCase) -> tuple[dict[str, Any], Solid | None]:
+def _simulate_one(folder: Path, name: str, case: LoadCase) -> tuple[dict[str, Any], TetMesh | None]:
     """The row of one sample, and what was simulated of it."""
     path = folder / "generated" / f"{name}.vtu"
     if not path.is_file():
         return {"reason": EMPTY}, None
-    solid = read_body(path)
+    solid = read_solid(path)
     start = time.perf_counter()
     try:
         pieces = int(label_pieces(solid.tets).max()) + 1
@@ -156,7 +157,7 @@ def _simulate_one(folder: Path, name: str, case: LoadCase) -> tuple[dict[str, An
     return {"reason": "", **row, **{key: record[key] for key in _KEPT}}, piece
 
 
-def _remesh_one(worker: RemeshWorker, solid: Solid, case: LoadCase, peak: float) -> dict[str, Any]:
+def _remesh_one(worker: RemeshWorker, solid: TetMesh, case: LoadCase, peak: float) -> dict[str, Any]:
     """The same shape through other tets: how much further or less far it bends."""
     finer = case.model_copy(update={"refine": case.refine + 1})
     try:
@@ -176,5 +177,5 @@ def _remesh_one(worker: RemeshWorker, solid: Solid, case: LoadCase, peak: float)
     }
 
 
-def _peak(solid: Solid, case: LoadCase, surface: Solid | None = None) -> float:
+def _peak(solid: TetMesh, case: LoadCase, surface: TetMesh | None = None) -> float:
     return float(simulate(solid, case, surface=surface).record()["peak_displacement"])

@@ -1,4 +1,4 @@
-"""The simulation study as people read it: a row a model and mode, over all its seeds."""
+"""Table of the simulation study: one row per model and mode, over all its seeds."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -27,14 +27,14 @@ _NOTES = [
 ]
 
 
-def write_simulation_table(studies: Sequence[Path], out: Path) -> None:
+def tabulate_simulation(studies: Sequence[Path], out: Path) -> None:
     """Write a row for each model and mode, as CSV and as Markdown.
 
     Args:
         studies: one for each model, mode and seed.
 
     Raises:
-        UserError: a file is no study of `tetgan simulation-study`.
+        UserError: a file is no study of `tetgan simulate-samples`.
     """
     seeds: dict[tuple[str, ...], list[pd.DataFrame]] = {}
     for rows in map(_read, studies):
@@ -44,7 +44,7 @@ def write_simulation_table(studies: Sequence[Path], out: Path) -> None:
 
 
 def over_seeds(studies: Sequence[pd.DataFrame]) -> dict[str, Any]:
-    """What `summarise` says of the samples of all seeds together, and its deviation from seed to seed."""
+    """Figures of `summarise` over the samples of all seeds, and their deviation from seed to seed."""
     of_each = pd.DataFrame([summarise(rows) for rows in studies])
     spread = of_each[_SPREAD].astype(float).std(ddof=1)
     return {

@@ -1,4 +1,4 @@
-"""The cheapest way from one piece of tets around a vertex to another of its kind."""
+"""Cheapest row of tets around a vertex that joins two pieces of one kind."""
 
 import numpy as np
 from jaxtyping import Float, Int

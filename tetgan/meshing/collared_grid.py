@@ -1,4 +1,4 @@
-"""The space a solid lives in: its grid, and a collar of tets around the grid that nothing ever occupies."""
+"""Grid of the cube with a collar of tets around it that is never occupied."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -6,8 +6,8 @@ from functools import cached_property, lru_cache
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from tetgan.geometry.adjacency import EDGES, boundary_faces, face_neighbors, unique_edges
-from tetgan.geometry.tets import tet_volumes
+from tetgan.geometry.adjacency import EDGES, boundary_faces, unique_edges
+from tetgan.geometry.tets import TetMesh, tet_volumes
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.stars import Stars
 
@@ -26,10 +26,10 @@ _PRISM = np.array([[0, 1, 2, 5], [0, 1, 5, 4], [0, 3, 4, 5]])
 
 
 @dataclass(frozen=True, eq=False)
-class CollaredGrid:
+class CollaredGrid(TetMesh):
     """A grid and its collar: a triangulated ball, of which a solid occupies tets of the grid.
 
-    Stars every vertex of the grid the tets close up to a ball, at the wall too, so topology needs no special
+    Around every vertex of the grid the tets close up to a ball, at the wall too, so topology needs no special
     case there, and vertices at the wall may move as the others do: only the outside of the collar is fixed.
 
     Attributes:
@@ -41,21 +41,9 @@ class CollaredGrid:
             Then the collar has no such geometry, and the wall is pinned instead.
     """
 
-    vertices: Float[np.ndarray, "V 3"]
-    tets: Int[np.ndarray, "T 4"]
     grid_tets: int
     pinned: Bool[np.ndarray, "V"]
     guarded: Bool[np.ndarray, "T"]
-
-    @cached_property
-    def neighbors(self) -> Int[np.ndarray, "T 4"]:
-        """Slot s is the tet across the face opposite local vertex s; -1 outside the collar."""
-        return face_neighbors(self.tets)
-
-    @cached_property
-    def volumes(self) -> Float[np.ndarray, "T"]:
-        """Of the tets where nothing has moved."""
-        return tet_volumes(self.vertices, self.tets)
 
     @cached_property
     def around_vertices(self) -> Stars:

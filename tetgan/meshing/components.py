@@ -1,12 +1,11 @@
-"""Pieces that float apart from the rest, and voids inside."""
+"""Floating pieces and cavities of an occupancy."""
 
 from typing import Literal, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
+from tetgan.geometry.components import label_components
 from tetgan.meshing.collared_grid import CollaredGrid
 
 
@@ -56,16 +55,11 @@ def label_by_faces(tets: Int[np.ndarray, "N"], ambient: CollaredGrid) -> Int[np.
     number[tets] = np.arange(len(tets))
     beside = number[ambient.neighbors[tets]]
     rows, slots = np.nonzero(beside >= 0)
-    return _labels(rows, beside[rows, slots], len(tets))
+    return label_components(rows, beside[rows, slots], len(tets))
 
 
 def _label_by_vertices(tets: Int[np.ndarray, "N"], ambient: CollaredGrid) -> Int[np.ndarray, "N"]:
     corners = ambient.tets[tets]
     ends = np.repeat(corners[:, 0], 3), corners[:, 1:].ravel()
-    labels = _labels(*ends, len(ambient.vertices))[corners[:, 0]]  # of vertices, those without tets too
-    return np.unique(labels, return_inverse=True)[1]
-
-
-def _labels(ends: Int[np.ndarray, "E"], others: Int[np.ndarray, "E"], count: int) -> Int[np.ndarray, "N"]:
-    links = sparse.coo_array((np.ones(len(ends), dtype=bool), (ends, others)), shape=(count, count))
-    return connected_components(links, directed=False)[1].astype(np.int64)
+    labels = label_components(*ends, len(ambient.vertices))  # of vertices, those without tets too
+    return np.unique(labels[corners[:, 0]], return_inverse=True)[1]

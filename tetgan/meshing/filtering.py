@@ -1,4 +1,4 @@
-"""Eq. 5: occupied tets that the displacement does not believe in."""
+"""Eq. 5: drops occupied surface tets whose displacement is implausibly large."""
 
 import numpy as np
 from jaxtyping import Bool, Int

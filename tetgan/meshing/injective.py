@@ -1,4 +1,4 @@
-"""Vertices moved as far as they can go without turning over or flattening a tet."""
+"""Move vertices towards targets while every tet stays positive and its angles bounded."""
 
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ class _Band(NamedTuple):
     Attributes:
         corners: (4, N) vertices of its tets; volume: (N,) six times the least volume of each.
         solid: whether each is occupied; cosine: of the least dihedral angle, which binds the occupied ones.
-        used: (M,) its vertices in the ambient space.
+        used: (M,) its vertices in the collared grid.
         boundary, free: (M,) its vertices on the boundary, and the others that may move.
         averaging: (M, M) takes each free vertex to the mean of those it shares an edge with.
     """

@@ -1,10 +1,11 @@
-"""Which pieces of a solid hang together, and where they are to be joined."""
+"""Components of a solid, and the seams of least volume that join them."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
-from scipy.sparse.csgraph import connected_components, minimum_spanning_tree
+from scipy.sparse.csgraph import minimum_spanning_tree
 
+from tetgan.geometry.components import label_components
 from tetgan.meshing.patches import Patches
 from tetgan.meshing.stars import Pieces
 
@@ -56,10 +57,6 @@ def components_after(
     across, seam = component[patches.across], ~patches.occupied[patches.rim_patch]
     one = patches.most_of_rim(np.where(seam, across, -1))[patches.rim_patch]
     joined = seam & (across >= 0)
-    links = sparse.coo_array(
-        (np.ones(int(joined.sum())), (one[joined], across[joined])), shape=(component.max(initial=0) + 1,) * 2
-    )
-    number = np.append(
-        connected_components(links, directed=False)[1], -1
-    )  # the -1 of empty tets reads the last
+    labels = label_components(one[joined], across[joined], int(component.max(initial=0)) + 1)
+    number = np.append(labels, -1)  # the -1 of empty tets reads the last
     return number[component], number[one]

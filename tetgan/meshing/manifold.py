@@ -1,4 +1,4 @@
-"""The least change of occupancy that gives a solid a manifold boundary."""
+"""Smallest change of occupancy that makes the boundary manifold."""
 
 from typing import NamedTuple
 
@@ -48,9 +48,9 @@ class _Effect(NamedTuple):
 
 
 def boundary_defects(occupancy: Bool[np.ndarray, "T"], ambient: CollaredGrid) -> Int[np.ndarray, "V"]:
-    """How far each vertex is from a manifold boundary; 0 everywhere exactly when the boundary is one.
+    """Defect of each vertex; 0 everywhere exactly when the boundary is manifold.
 
-    Stars a vertex the tets cut a small sphere into triangles. The boundary meets the sphere in one closed
+    Around a vertex the tets cut a small sphere into triangles. The boundary meets the sphere in one closed
     curve, so has one fan there, exactly when the occupied triangles hang together side by side, and the empty
     ones as well (Jordan); and a surface with one fan at each vertex has two faces at each edge. The defect is
     the number of pieces beyond one of each.
@@ -69,7 +69,7 @@ def make_manifold(
 ) -> Bool[np.ndarray, "T"]:
     """Fill and empty tets until the boundary is a manifold, at little cost.
 
-    Stars each vertex and edge at fault every piece of tets, occupied or empty, might change sides, and so
+    Around each vertex and edge at fault every piece of tets, occupied or empty, might change sides, and so
     might the tets of a bridge between two pieces of one kind (`cheapest_bridges`). Of the changes that lower
     the sum of the defects, the cheapest for what they mend are made, as many at once as have no vertex in
     common, until none is left; each round lowers the sum, so this ends. Where defects remain, tets around

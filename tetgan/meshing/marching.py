@@ -1,4 +1,4 @@
-"""Surfaces of functions of space: marching cubes, and an octree that spares most of the evaluations."""
+"""Marching cubes of functions of space, densely or by an octree (MISE)."""
 
 from collections.abc import Callable
 
@@ -18,7 +18,7 @@ _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 
 
 
 def mise(value: Value, start: int, steps: int, level: float, *, box: float = 1.0) -> TriangleMesh:
-    """Where `value` crosses `level`: multiresolution isosurface extraction (Mescheder et al. 2019, sec. 3.3).
+    """Surface where `value` crosses `level`, by an octree (MISE, Mescheder et al. 2019, sec. 3.3).
 
     All points of a coarse grid are evaluated, then the grid is halved `steps` times; new points are evaluated
     only in cells that the surface enters, and in their neighbours as soon as it is seen to leave through
@@ -44,7 +44,7 @@ def mise(value: Value, start: int, steps: int, level: float, *, box: float = 1.0
 
 
 def voxel_surface(distance: Cube, level: float = 0.0) -> TriangleMesh:
-    """Where signed distances at the cell centres of the unit cube, negative inside, cross `level`.
+    """Surface on which signed distances at cell centres, negative inside, cross `level`.
 
     A shape that reaches the wall of the cube is closed there.
     """
@@ -112,7 +112,7 @@ def _points_of_cells(cells: Bool[np.ndarray, "C C C"]) -> Bool[np.ndarray, "S S 
 def _march(values: Cube, level: float, *, origin: float, spacing: float) -> TriangleMesh:
     """Marching cubes of values above the level inside, closed at the wall.
 
-    Stars the grid lies one more layer of points, outside: the values at the wall mirrored in the level.
+    Around the grid lies one more layer of points, outside: the values at the wall mirrored in the level.
     """
     mirrored = np.pad(values, 1, mode="edge")
     padded = np.minimum(mirrored, 2 * level - mirrored)

@@ -1,4 +1,4 @@
-"""From any occupancy to a solid whose boundary is a manifold, without floating crumbs."""
+"""Change an occupancy so that its boundary is manifold and no crumb floats."""
 
 import numpy as np
 from jaxtyping import Bool, Float

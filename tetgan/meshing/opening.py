@@ -1,4 +1,4 @@
-"""Pinches of a boundary opened, or closed by a seam, without a change of occupancy."""
+"""Open the pinches of a boundary, or close them by a seam, without a change of occupancy."""
 
 from typing import NamedTuple
 
@@ -55,7 +55,7 @@ def open_pinches(
     and to make a tet of the other kind on each side of its rim, between v and the copy. That is a split of v:
     space stays filled without overlap. An occupied piece pulled back leaves a gap. An empty one, or an empty
     row of tets between two occupied pieces, leaves a seam that joins what lies around. Pieces that hang
-    together at v alone are joined, at the fewest places that will do, and only what hangs together elsewhere
+    together at v alone are joined, at the fewest places that will do, and only what is connected elsewhere
     too is parted. Each pull lowers the sum of the defects, so this ends.
 
     Args:

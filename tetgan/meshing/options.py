@@ -1,4 +1,4 @@
-"""How a field becomes a solid mesh."""
+"""Options of meshing: mode, filter, smoothing, bounds on angles."""
 
 from typing import Literal
 

@@ -1,4 +1,4 @@
-"""Patches of tets around vertices: those that could be pulled back from there."""
+"""Patches of tets around a vertex that can be pulled back from it."""
 
 from typing import NamedTuple
 
@@ -19,7 +19,7 @@ _OTHERS = np.array([[[k for k in range(4) if k not in {i, j}][:2] for j in range
 
 
 class Patches(NamedTuple):
-    """Tets around a vertex, all occupied or all empty, that hang together side by side; and their rims.
+    """Tets around a vertex, all occupied or all empty, connected by faces; and their rims.
 
     The tets around a vertex cut a small sphere into triangles. A patch is a region of it, its rim the sides
     of its triangles that other tets lie across.
@@ -95,7 +95,7 @@ class Patches(NamedTuple):
 def patches_at(
     vertices: Int[np.ndarray, "N"], pieces: Pieces, occupancy: Bool[np.ndarray, "T"], space: CollaredGrid
 ) -> Patches:
-    """What might be pulled back from vertices at fault so that a fault goes, and none comes elsewhere.
+    """Patches whose pull removes a fault at a vertex and makes none elsewhere.
 
     That are the pieces around a vertex, and rows of empty tets between two occupied ones: the shortest, and
     the one through the best tets. They must be disks, for only those can be pulled; what that does to the

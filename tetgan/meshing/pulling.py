@@ -1,4 +1,4 @@
-"""Where a vertex can be pulled to, into a patch of its tets, without a tet that turns over or is too flat."""
+"""Positions to which a vertex can be pulled into a patch, with all tets positive and angles bounded."""
 
 from collections.abc import Callable
 from functools import partial

@@ -6,21 +6,18 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import trimesh
 from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
-from tetgan.files import whole_file
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.isolation import SimplifyWorker
 from tetgan.shapes.options import SimplifyOptions
 from tetgan.solids.export import write_surface
+from tetgan.solids.folder import CERTIFICATE, CERTIFICATES, read_certificates, write_certificates
 from tetgan.solids.record import surface_record
-
-CERTIFICATE = "certificate.csv"
 
 log = logging.getLogger(__name__)
 
@@ -36,7 +33,7 @@ def simplify_samples(samples: Path, folder: Path, options: SimplifyOptions) -> N
     Raises:
         UserError: there are no samples.
     """
-    parts = sorted(path.parent for path in samples.glob(f"*/{CERTIFICATE}"))
+    parts = sorted(path.parent for path in samples.glob(CERTIFICATES))
     if not parts:
         raise UserError(f"{samples}: no samples; expected a folder 'none' or 'wls' with {CERTIFICATE} in it")
     with SimplifyWorker(options) as worker:
@@ -47,18 +44,14 @@ def simplify_samples(samples: Path, folder: Path, options: SimplifyOptions) -> N
 
 
 def _simplify_part(part: Path, folder: Path, worker: SimplifyWorker) -> None:
-    try:
-        certificate = pd.read_csv(part / CERTIFICATE, dtype=str, keep_default_na=False)
-        shapes = list(zip(certificate["set"], certificate["id"], strict=True))
-    except (ValueError, KeyError) as error:
-        raise UserError(f"{part / CERTIFICATE}: not a certificate ({error}); sample again") from None
-    rows = []
+    certificates = read_certificates(part)
+    assert certificates is not None
+    shapes, rows = list(zip(certificates["set"], certificates["id"], strict=True)), []
     for kind, shape_id in track(shapes, description="simplifying", console=Console(stderr=True)):
         name = Path(kind) / f"{shape_id}.ply"
         record = _simplify_surface(part / name, folder / name, worker)
         rows.append({"set": kind, "id": shape_id, **record})
-    with whole_file(folder / CERTIFICATE) as partial:
-        pd.DataFrame(rows).to_csv(partial, index=False)
+    write_certificates(folder, rows)
 
 
 def _simplify_surface(source: Path, target: Path, worker: SimplifyWorker) -> dict[str, Any]:

@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Int
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
+
+from tetgan.geometry.components import label_components
 
 
 class Pieces(NamedTuple):
@@ -30,17 +30,17 @@ class Pieces(NamedTuple):
     piece_occupied: Bool[np.ndarray, "P"]
 
     def counts(self, places: int) -> Int[np.ndarray, "places 2"]:
-        """How many empty and how many occupied pieces lie around each simplex."""
+        """Number of empty and of occupied pieces around each simplex."""
         both = np.bincount(2 * self.piece_place + self.piece_occupied, minlength=2 * places)
         return both.reshape(places, 2)
 
     def defects(self, places: int) -> Int[np.ndarray, "places"]:
-        """How many pieces lie around each simplex beyond one of each kind."""
+        """Number of pieces around each simplex beyond one of each kind."""
         return (self.counts(places) - 1).clip(min=0).sum(axis=1)
 
 
 class Stars:
-    """Who stands around each simplex (vertex or edge), and who stands beside whom there.
+    """Tets around each simplex (vertex or edge), and which of them share a face there.
 
     A corner is one simplex of one tet; corner c of tet t has the number C·t + c.
     """
@@ -75,7 +75,7 @@ class Stars:
         occupied: Bool[np.ndarray, "M"] | None,
         occupancy: Bool[np.ndarray, "T"],
     ) -> Pieces:
-        """Stars each simplex, its tets sorted into pieces.
+        """Around each simplex, its tets sorted into pieces.
 
         Args:
             simplices: not those of the outside of the collar; may repeat.
@@ -88,11 +88,8 @@ class Stars:
         first = np.searchsorted(place, np.arange(len(simplices)))
         beside = first[place][:, None] + self._rank[self._beside[corners]]
         rows, slots = np.nonzero(occupied[:, None] == occupied[beside])
-        links = sparse.csr_array(
-            (np.ones(len(rows), dtype=np.int8), (rows, beside[rows, slots])), shape=(len(corners),) * 2
-        )
-        count, label = connected_components(links, directed=False)
-        some = np.zeros(count, dtype=np.int64)
+        label = label_components(rows, beside[rows, slots], len(corners))
+        some = np.zeros(label.max(initial=-1) + 1, dtype=np.int64)
         some[label] = np.arange(len(label))
         return Pieces(tets, place, beside, occupied, label, place[some], occupied[some])
 

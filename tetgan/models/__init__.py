@@ -1,1 +1,1 @@
-"""TetGAN, its critics, the baselines, and the PointNet++ classifier."""
+"""Contracts of generative methods: generator, registry, load, save, sample, pack."""

@@ -1,4 +1,4 @@
-"""Models by their options, and the folder that holds a trained one."""
+"""Build models from their options; read and write the folder of a trained one."""
 
 import json
 from pathlib import Path
@@ -29,7 +29,7 @@ def build_generator(
     """An untrained model of fields; its weights are drawn from PyTorch's global generator.
 
     Args:
-        of: the model that this one stands on, as a DefTet does, whose boundary it moves.
+        of: the model that this one is built on, as a DefTet on a TetGAN.
     """
     under = [] if of is None else [of]
     model = method_of(options).load("build")(options, hierarchy, *under)
@@ -53,8 +53,8 @@ def save_generator(
 ) -> None:
     """Write `options.json` (the model's, digest of its grid, device, all `further`) and the weights.
 
-    Of a model that stands on another, `of` holds what that one's `options.json` says of `model` and, if it
-    stands on a third, of `of`; the weights hold all of them.
+    Of a model built on another, `of` holds `model` of that one's `options.json`, and `of` if it is built on a
+    third; the weights hold all of them.
     """
     grid = {"grid_digest": hierarchy.digest} if hierarchy else {}
     state = generator.state_dict()
@@ -107,7 +107,7 @@ def load_generator(folder: Path, hierarchy: GridHierarchy) -> FieldGenerator:
 
 
 def _rebuild(record: dict[str, Any], hierarchy: GridHierarchy, folder: Path) -> FieldGenerator:
-    """The untrained model of a record, on those that it stands on."""
+    """The untrained model of a record, on those that it is built on."""
     options = parse_options(ModelOptions, record.get("model", {}), str(folder / OPTIONS))
     of = _rebuild(record["of"], hierarchy, folder) if "of" in record else None
     return build_generator(options, hierarchy, of)

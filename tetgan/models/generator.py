@@ -38,14 +38,14 @@ class FieldGenerator(LatentModel):
 
     @abstractmethod
     def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
-        """The latent that stands for each field: the mean, where the model gives a distribution."""
+        """The latent of each field: the mean, where the model gives a distribution."""
 
     @abstractmethod
     def decode(self, latent: Float[Tensor, "B ..."]) -> Float[Tensor, "B T 4"]:
         """Occupancy logit and displacement of each latent."""
 
     def meshed(self, field: Field) -> Field | VertexField:
-        """What becomes a mesh where `field`, in cube sides, was decoded: itself, if nothing else is said."""
+        """Field to be meshed for a decoded `field`, in cube sides; by default itself."""
         return field
 
 
@@ -61,7 +61,7 @@ class SurfaceModel(LatentModel):
     """Whether shapes can be reconstructed; a GAN only generates."""
 
     def encode(self, data: Float[Tensor, "B ..."]) -> Float[Tensor, "B ..."]:
-        """The latent that stands for each shape: the mean, where the model gives a distribution.
+        """The latent of each shape: the mean, where the model gives a distribution.
 
         Raises:
             NotImplementedError: the model has no encoder.

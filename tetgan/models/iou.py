@@ -1,4 +1,4 @@
-"""How well a decoded occupancy covers the true one."""
+"""Intersection over union of a decoded and a true occupancy."""
 
 import numpy as np
 from jaxtyping import Bool, Float

@@ -1,4 +1,4 @@
-"""The record by which the pipeline knows a generative method."""
+"""Record of a generative method: options, network, learner, training."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from tetgan.options import Options
 
 
 class MethodOptions(Options):
-    """What the options of every model have; each class allows one word for `kind`."""
+    """Base of the options of every model; each class allows one word for `kind`."""
 
     kind: str
 
@@ -32,13 +32,13 @@ class Method:
     """An entry of the config under `models`. Its `kind` is a `Literal` of one word, the name."""
 
     build: Reference | None = None
-    """From options and grid hierarchy, and the model that it stands on if there is one, an untrained
+    """From options and grid hierarchy, and the model that it is built on if there is one, an untrained
     `FieldGenerator`; from options alone a `SurfaceModel`, for kinds that learn from a sampling. None: nothing
     is trained, as samples are made from another model's."""
 
     learner: Reference | None = None
     """From options, training options, store and seed a `Learner`, which the training loop trains; it gets the
-    trained model that it stands on, if there is one, as `of`."""
+    trained model that it is built on, if there is one, as `of`."""
 
     train: Reference | None = None
     """In place of a learner, for what is fitted at once: from index, options, training options, seed and
@@ -73,13 +73,15 @@ class Method:
         if self.trained and (self.learner is None) == (self.train is None):
             raise TypeError(f"{self.options.__name__}: name either a learner or, to fit at once, `train`")
         if self.of and (self.learner is None or self.sampling is not None):
-            raise TypeError(f"{self.options.__name__}: only a learner of fields can stand on another model")
+            raise TypeError(
+                f"{self.options.__name__}: only a learner of fields can be built on another model"
+            )
         if len(get_args(self.options.model_fields["kind"].annotation)) != 1:
             raise TypeError(f"{self.options.__name__}.kind: a Literal of one word says the name of the kind")
 
     @property
     def name(self) -> str:
-        """What a config calls it."""
+        """The word for it in a config."""
         return str(get_args(self.options.model_fields["kind"].annotation)[0])
 
     @property
@@ -98,10 +100,10 @@ class Method:
         return self.learner is not None
 
     @property
-    def modules(self) -> set[str]:
-        """Names of the modules that hold it, its networks and its training."""
+    def entry_points(self) -> list[str]:
+        """Its options, network and training as `module:name`: where its code begins."""
         references = (self.options, self.build, self.learner, self.train)
-        return {_module_of(reference) for reference in references if reference is not None}
+        return [_in_words(reference) for reference in references if reference is not None]
 
     def load(self, part: str) -> Any:
         """The class or function behind one of the references."""
@@ -112,8 +114,8 @@ class Method:
         return getattr(import_module(module), name)
 
 
-def _module_of(reference: Reference) -> str:
-    return reference.partition(":")[0] if isinstance(reference, str) else reference.__module__
+def _in_words(reference: Reference) -> str:
+    return reference if isinstance(reference, str) else f"{reference.__module__}:{reference.__qualname__}"
 
 
 class Size(NamedTuple):

@@ -1,4 +1,4 @@
-"""A trained model as a small folder that stands alone, and the ones that come with this package."""
+"""Trained models packed into small folders that need no fields, and the pretrained ones of this package."""
 
 import shutil
 from pathlib import Path

@@ -1,7 +1,7 @@
-"""Generative methods by name: those installed, and those of modules that a config names.
+"""Registry of generative methods: installed ones, and those of modules that a config names.
 
 A package names its records in the entry-point group `tetgan.methods`, under the name of the method; this
-package's own stand there too (pyproject.toml). Another package's is imported when a model of that method is
+package's own are there too (pyproject.toml). Another package's is imported when a model of that method is
 first met, a module under `plugins` by `load_plugins`.
 """
 
@@ -72,7 +72,7 @@ def method_of(options: MethodOptions) -> Method:
 
 
 def loaded_methods() -> list[Method]:
-    """Every method but those of installed packages that nothing has asked for yet."""
+    """Every method but those of installed packages that were not needed yet."""
     return list(_loaded.values())
 
 

@@ -18,6 +18,7 @@ from tetgan.models.files import load_generator, load_options, load_surface_model
 from tetgan.models.registry import method_of
 from tetgan.models.sampling import generate_fields, reconstruct_fields
 from tetgan.models.surfaces import extraction_of, generate_surfaces, reconstruct_surfaces
+from tetgan.solids.folder import write_certificates
 
 SMOOTHINGS = {"none": False, "wls": True}
 """Folder of each smoothing: without, and with the weighted Laplacian of Eq. 4."""
@@ -29,7 +30,7 @@ Shape = TypeVar("Shape")
 Item = tuple[str, Shape, Row]
 
 
-def write_samples(
+def sample_model(
     model: Path, index: Path, folder: Path, *, count: int, options: MeshingOptions, seed: int
 ) -> None:
     """Generate `count` shapes and reconstruct the validation shapes, where the model has an encoder.
@@ -41,14 +42,14 @@ def write_samples(
         model: folder of a trained model.
         index: of the fields, or the sampling, that it was trained on.
         folder: receives `{none,wls}/{generated,reconstructed}/{id}.{ply,vtu}`, `certificate.csv` beside
-            them, and `about.json` with the number of tets, if any, and the minutes of training.
+            them, and `about.json` with the method, the number of tets, if any, and the minutes of training.
     """
-    sampling = method_of(load_options(model)).sampling
-    if sampling is None:
+    method = method_of(load_options(model))
+    if method.sampling is None:
         about = _write_solids(model, index, folder, options, count=count, seed=seed)
     else:
-        about = _write_surfaces(model, index, folder, sampling["kind"], count=count, seed=seed)
-    about |= {"train_minutes": _train_minutes(model)}
+        about = _write_surfaces(model, index, folder, method.sampling["kind"], count=count, seed=seed)
+    about |= {"method": method.name, "train_minutes": _train_minutes(model)}
     with whole_file(folder / "about.json") as partial:
         partial.write_text(json.dumps(about, indent=2) + "\n")
 
@@ -70,7 +71,7 @@ def _write_solids(
             grid = store.hierarchy.finest
             written = write_solids(into, shapes, grid, store.mu, options, smoothing=smoothing)
             rows += [{"set": kind} | row for row in written]
-        _certify(folder / name, rows)
+        write_certificates(folder / name, rows)
     return {"tets": len(store.hierarchy.finest.tets)}
 
 
@@ -86,13 +87,8 @@ def _write_surfaces(model: Path, index: Path, folder: Path, sampling: str, *, co
     ):
         written = write_surfaces(folder / "none" / name, shapes)
         rows += [{"set": name} | row for row in written]
-    _certify(folder / "none", rows)
+    write_certificates(folder / "none", rows)
     return {}
-
-
-def _certify(folder: Path, rows: list[Row]) -> None:
-    with whole_file(folder / "certificate.csv") as partial:
-        pd.DataFrame(rows).to_csv(partial, index=False)
 
 
 def _numbered(shapes: Iterator[Shape], count: int) -> Iterator[Item[Shape]]:

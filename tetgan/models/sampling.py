@@ -1,4 +1,4 @@
-"""Fields out of a trained model: new ones, and reconstructions of known ones."""
+"""Fields from a trained model: samples and reconstructions."""
 
 from collections.abc import Iterator, Sequence
 
@@ -83,7 +83,7 @@ def encode_shapes(
     batch_size: int = BATCH,
     device: str = "auto",
 ) -> Float[Tensor, "N ..."]:
-    """The latent that stands for each shape, on the CPU."""
+    """The latent of each shape, on the CPU."""
     where, latents = pick_device(device), []
     for start in range(0, len(ids), batch_size):
         original = torch.from_numpy(store.tensor(ids[start : start + batch_size]))
@@ -100,7 +100,7 @@ def decode_fields(
     batch_size: int = BATCH,
     device: str = "auto",
 ) -> Iterator[Field | VertexField]:
-    """What becomes a mesh for each latent, displacement in cube sides."""
+    """Fields to be meshed for each latent, displacement in cube sides."""
     where = pick_device(device)
     for batch in latents.split(batch_size):
         with torch.inference_mode():

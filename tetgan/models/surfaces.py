@@ -1,4 +1,4 @@
-"""Surfaces out of a trained model of implicit surfaces: new ones, and reconstructions of known ones."""
+"""Surfaces from a trained implicit model: samples and reconstructions."""
 
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
@@ -31,7 +31,7 @@ class Extraction(NamedTuple):
 
 
 def extraction_of(model: SurfaceModel, store: PointStore | VoxelStore) -> Extraction | None:
-    """How the surfaces of a model are found; None for models that give voxels."""
+    """Options by which a model's surfaces are extracted; None for models that give voxels."""
     if not isinstance(model, ImplicitGenerator):
         return None
     return Extraction(model.cells, model.halvings, getattr(store, "box", 1.0))

@@ -22,7 +22,7 @@ def pick_device(name: str) -> torch.device:
 
 
 def device_name(device: torch.device) -> str:
-    """What provenance calls it: the GPU's own name, or `cpu`."""
+    """Name of a device for provenance: the GPU's own, or `cpu`."""
     return torch.cuda.get_device_name(device) if device.type == "cuda" else device.type
 
 

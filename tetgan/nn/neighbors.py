@@ -86,8 +86,8 @@ def _with_last(sums: Bags, width: int) -> Bags:
 class TetNeighbors(nn.Module):
     """Face adjacency of one grid, prepared for gathering in both directions.
 
-    `neighbors` (T, 4) as in `TetGrid`: -1 stands for the outside, whose row is zero. Convolutions over
-    `ordered` neighbors tell the four slots apart; over unordered ones they share a matrix among them, as
+    `neighbors` (T, 4) as in `TetGrid`: -1 is the outside, whose row is zero. Convolutions over
+    `ordered` neighbors have a matrix per slot; over unordered ones they share a matrix among them, as
     a graph convolution does.
 
     Slot s of tet k gathers the row of its neighbor n(k, s) ("product"), or those of every tet whose
@@ -107,7 +107,7 @@ class TetNeighbors(nn.Module):
         self._gathers: dict[torch.device, dict[tuple[Side, int], Gathers]] = {}
 
     def gathers(self, side: Side, batch: int) -> Gathers:
-        """The tables of so many shapes; those of the last few sizes of a batch are kept."""
+        """The tables for `batch` shapes; those of the last few sizes of a batch are kept."""
         made = self._gathers.setdefault(self.table.device, {})
         if (side, batch) not in made:
             if len(made) >= KEPT:

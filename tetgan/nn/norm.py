@@ -1,4 +1,4 @@
-"""Instance normalisation and the activation behind it, in one step."""
+"""Instance normalisation fused with leaky ReLU."""
 
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any

@@ -1,4 +1,4 @@
-"""A layer over points that also reads what belongs to their shape as a whole."""
+"""Linear layer over points with an extra input per shape."""
 
 from jaxtyping import Float
 from torch import Tensor, nn

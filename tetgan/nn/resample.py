@@ -1,4 +1,4 @@
-"""Between the levels of a hierarchy: eight children to their parent, and a parent to its children."""
+"""Pooling from eight children to their parent, and upsampling from parents to children."""
 
 from typing import Literal
 

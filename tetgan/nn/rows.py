@@ -1,4 +1,4 @@
-"""Fixed sparse matrices that mix the rows of a tensor: neighbors, upsampling and Eq. 3 are of this kind."""
+"""Fixed sparse matrices over the rows of a tensor: neighbours, upsampling, Eq. 3."""
 
 from typing import Any
 

@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, UInt8
 from rich.console import Console
 from rich.progress import track
 
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.rendering.raycast import STEEL
 from tetgan.rendering.sheet import Ink, contact_sheet, note
 from tetgan.rendering.view import View
@@ -19,11 +20,9 @@ EMPTY = "empty"
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(TriangleMesh):
     """A surface in the unit cube, ready to draw: one colour (linear RGB), or one a face."""
 
-    vertices: Float[np.ndarray, "V 3"]
-    faces: Int[np.ndarray, "F 3"]
     colors: Float[np.ndarray, "F 3"] | tuple[float, float, float] = STEEL
 
 

@@ -1,19 +1,20 @@
-"""Shapes from files, whole or cut open, ready to draw."""
+"""Shapes read from files, whole or cut open, for drawing."""
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NamedTuple
 
-import meshio
 import numpy as np
 import pandas as pd
 from jaxtyping import Bool, Float, Int
 
+from tetgan.geometry.adjacency import FACES, face_keys
+from tetgan.geometry.tets import TetMesh
 from tetgan.rendering.figure import Shape
 from tetgan.rendering.raycast import STEEL
 from tetgan.shapes.archive import pick_meshes
 from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.loading import parse_mesh, read_file
+from tetgan.solids.reading import read_solid
 
 INSIDE: tuple[float, float, float] = (0.93, 0.55, 0.22)  # colour of the faces a cut opens, linear RGB
 
@@ -22,17 +23,8 @@ _SHADES = 0.22  # how much the opened tets differ in brightness
 _GOLDEN = 0.6180339887498949
 
 
-# Corners of the faces of a positively oriented tet, each opposite one vertex and wound outwards.
-_FACES = np.array([[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]])
-
-
-def cut_solid(
-    vertices: Float[np.ndarray, "V 3"],
-    tets: Int[np.ndarray, "T 4"],
-    normal: Float[np.ndarray, "3"],
-    offset: float | int,
-) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"], Float[np.ndarray, "F 3"]]:
-    """Surface of the tets whose centroids lie behind a plane, with a colour a face for `render_mesh`.
+def cut_solid(solid: TetMesh, normal: Float[np.ndarray, "3"], offset: float | int) -> Shape:
+    """Surface of the tets whose centroids lie behind a plane, on the solid's vertices.
 
     Whole tets are dropped, not cut, so the opened side shows them; they differ a little in brightness.
 
@@ -40,11 +32,10 @@ def cut_solid(
         normal, offset: the plane x . normal = offset, `normal` of any length; what lies beyond it goes.
 
     Returns:
-        The same vertices, outward faces, and linear RGB: the skin of the solid in one colour, opened faces in
-        another.
+        Outward faces, the skin of the solid in one colour, opened faces in another.
     """
-    kept = vertices[tets].mean(axis=1) @ normal <= offset
-    faces, owner = _faces_of(tets)
+    kept = solid.centroids @ normal <= offset
+    faces, owner = solid.tets[:, FACES].reshape(-1, 3), np.repeat(np.arange(len(solid.tets)), 4)
     skin = _used_once(faces)
     kept_faces, kept_owner = faces[kept[owner]], owner[kept[owner]]
     shown = _used_once(kept_faces)
@@ -52,31 +43,19 @@ def cut_solid(
     colors = np.tile(np.array(STEEL), (int(shown.sum()), 1))
     brightness = 1 + _SHADES * (np.mod(kept_owner[shown][opened] * _GOLDEN, 1.0) - 0.5) * 2
     colors[opened] = np.clip(brightness[:, None] * np.array(INSIDE), 0, 1)
-    return vertices, kept_faces[shown], colors
-
-
-def _faces_of(tets: Int[np.ndarray, "T 4"]) -> tuple[Int[np.ndarray, "F 3"], Int[np.ndarray, "F"]]:
-    """All four faces of every tet, and the tet of each."""
-    return tets[:, _FACES].reshape(-1, 3), np.repeat(np.arange(len(tets)), 4)
+    return Shape(solid.vertices, kept_faces[shown], colors)
 
 
 def _used_once(faces: Int[np.ndarray, "F 3"]) -> Bool[np.ndarray, "F"]:
     """Which faces bound the solid: no other tet has the same three corners."""
-    _, index, count = np.unique(np.sort(faces, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return count[index.reshape(-1)] == 1
+    _, index, count = np.unique(face_keys(faces), return_inverse=True, return_counts=True)
+    return count[index] == 1
 
 
 CUT: tuple[float, float, float] = (1.0, 0.0, 0.35)
-"""Normal of the plane by which figures cut: from the right, where its camera stands at `CUT_AZIMUTH`."""
+"""Normal of the plane by which figures cut: from the right, where its camera is at `CUT_AZIMUTH`."""
 
 CUT_AZIMUTH = 60
-
-
-class Solid(NamedTuple):
-    """Tets on shared vertices."""
-
-    vertices: Float[np.ndarray, "V 3"]
-    tets: Int[np.ndarray, "T 4"]
 
 
 def read_shape(
@@ -90,52 +69,30 @@ def read_shape(
     return Shape(soup.vertices, soup.faces, colors)
 
 
-def read_solid(path: Path) -> Solid | None:
-    """The tets of a file; None where there is no file."""
-    if not path.is_file():
-        return None
-    mesh = meshio.read(path)
-    return Solid(mesh.points.astype(np.float64), mesh.cells_dict["tetra"].astype(np.int64))
-
-
 def list_shapes(shown: Sequence[tuple[str, str, str, Shape | None]]) -> pd.DataFrame:
     """The table beside a figure from model, set, id and shape of all in it; an empty one has no faces."""
     rows = [(*names, 0 if shape is None else len(shape.faces)) for *names, shape in shown]
     return pd.DataFrame(rows, columns=["model", "set", "id", "faces"])
 
 
-def cut_open(solid: Solid | None, normal: Sequence[float | int], share: float = 0.5) -> Shape | None:
-    """A solid without what lies beyond a plane, so that its inside shows.
+def cut_open(path: Path, normal: Sequence[float | int], share: float = 0.5) -> Shape | None:
+    """A solid from a file without what lies beyond a plane, so that its inside shows; None without a file.
 
     Args:
         normal: of the plane, towards the side that goes.
         share: how far along the normal the plane stands, from one end of the solid (0) to the other (1).
+
+    Raises:
+        UserError: the file cannot be read, or holds no tets.
     """
-    if solid is None:
+    if not path.is_file():
         return None
-    along = solid.vertices @ np.asarray(normal, dtype=float)
-    offset = along.min() + share * np.ptp(along)
-    return Shape(*cut_solid(solid.vertices, solid.tets, np.asarray(normal, dtype=float), float(offset)))
+    solid, across = read_solid(path), np.asarray(normal, dtype=float)
+    along = solid.vertices @ across
+    return cut_solid(solid, across, float(along.min() + share * np.ptp(along)))
 
 
 def read_originals(archives: Sequence[str | Path], ids: Sequence[str]) -> list[Shape | None]:
     """Repaired meshes by id, None for an id that no archive holds."""
     found = pick_meshes([Path(archive) for archive in archives], ids)
     return [Shape(found[i].vertices, found[i].faces) if i in found else None for i in ids]
-
-
-def finished_samples(samples: Path) -> Path:
-    """The folder of a model's meshes as they are meant to be shown: smoothed, where the model smooths."""
-    return samples / "wls" if (samples / "wls").is_dir() else samples / "none"
-
-
-def sample_ids(folder: Path, kind: str, count: int | None = None) -> list[str]:
-    """Ids of the first `count` meshes of a kind, `generated` or `reconstructed`, in a folder of samples.
-
-    The certificate, where there is one, also names the shapes that came out empty.
-    """
-    certificate = folder / "certificate.csv"
-    if certificate.is_file():
-        table = pd.read_csv(certificate, dtype={"id": str, "set": str}, keep_default_na=False)
-        return table.loc[table["set"] == kind, "id"].tolist()[:count]
-    return sorted(path.stem for path in (folder / kind).glob("*.ply"))[:count]

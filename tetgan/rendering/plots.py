@@ -111,7 +111,7 @@ _LEGEND_LINE = 0.19  # inches
 
 
 def draw_curves(logs: pd.DataFrame) -> Figure:
-    """A panel a measure, against minutes of training; one line a model and seed.
+    """One panel per measure, against minutes of training; one line per model and seed.
 
     Args:
         logs: rows of every `log.csv`, with the columns `model` and `seed` in front. A measure that no model

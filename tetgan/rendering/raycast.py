@@ -7,9 +7,10 @@ a shadowed key light and ambient occlusion.
 from dataclasses import dataclass
 
 import numpy as np
-from embreex import rtcore_scene
-from embreex.mesh_construction import TriangleMesh
 from jaxtyping import Bool, Float, Int, UInt8
+
+from tetgan.geometry.rays import Visibility
+from tetgan.geometry.triangles import area_normals
 
 STEEL: tuple[float, float, float] = (0.22, 0.42, 0.70)  # default colour of a surface, linear RGB
 
@@ -87,8 +88,7 @@ def render_mesh(
     # Embree computes in float32: a shape about the origin of size one loses least.
     diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
     scaled = ((vertices - camera.middle) / diagonal).astype(np.float32)
-    scene = rtcore_scene.EmbreeScene()
-    TriangleMesh(scene, scaled, np.ascontiguousarray(faces, dtype=np.int32))
+    scene = Visibility(scaled[faces])
 
     origins = _ray_origins(camera, size, diagonal)
     hit, face, points = _first_hits(scene, origins, camera)
@@ -146,26 +146,23 @@ def _subpixels(size: tuple[int, int]) -> Int[np.ndarray, "R"]:
 
 
 def _first_hits(
-    scene: rtcore_scene.EmbreeScene, origins: Float[np.ndarray, "R 3"], camera: _Camera
+    scene: Visibility, origins: Float[np.ndarray, "R 3"], camera: _Camera
 ) -> tuple[Bool[np.ndarray, "R"], Int[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
     """Which rays hit, and for those the face and the point."""
-    directions = np.broadcast_to(-camera.back.astype(np.float32), origins.shape).copy()
-    found = scene.run(origins, directions, output=1)
-    hit = found["primID"] >= 0
-    points = origins[hit] - found["tfar"][hit, None] * camera.back
-    return hit, found["primID"][hit].astype(np.int64), points
+    face, distance = scene.first_faces(origins, -camera.back)
+    hit = face >= 0
+    return hit, face[hit], origins[hit] - distance[hit, None] * camera.back
 
 
 def _facing_normals(corners: Float[np.ndarray, "N 3 3"], camera: _Camera) -> Float[np.ndarray, "N 3"]:
     """Unit normals of triangles, turned to the camera: the winding of a soup means nothing."""
-    corners = corners.astype(float)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners.astype(float))
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
     return np.where((normals @ camera.back < 0)[:, None], -normals, normals)
 
 
 def _light(
-    scene: rtcore_scene.EmbreeScene,
+    scene: Visibility,
     points: Float[np.ndarray, "N 3"],
     normals: Float[np.ndarray, "N 3"],
     subpixel: Int[np.ndarray, "N"],
@@ -177,7 +174,7 @@ def _light(
     fill = _unit(0.85 * camera.right + 0.15 * camera.up + 0.5 * camera.back)
     towards = np.clip(normals @ key, 0, None)
     lit = towards > 0
-    towards[lit] *= ~_blocked(scene, starts[lit], key, reach=1e3)
+    towards[lit] *= scene.sees_out(starts[lit], key[None], reach=1e3)
     sky = _open_sky(scene, starts, normals, subpixel)
     from_sky = sky * (1 + 0.25 * normals[:, 1])  # brighter above than below
     from_fill = np.clip(normals @ fill, 0, None) * sky
@@ -185,7 +182,7 @@ def _light(
 
 
 def _open_sky(
-    scene: rtcore_scene.EmbreeScene,
+    scene: Visibility,
     starts: Float[np.ndarray, "N 3"],
     normals: Float[np.ndarray, "N 3"],
     subpixel: Int[np.ndarray, "N"],
@@ -203,23 +200,8 @@ def _open_sky(
             # A uniform point of the sphere plus the normal is cosine-weighted about the normal. Its length,
             # up to two, scales the reach: what lies straight ahead darkens from further away.
             rays = normals_here + 0.999 * direction
-            free[here] += ~_blocked(scene, from_here, rays, reach=_SKY_REACH / 2)
+            free[here] += scene.sees_out(from_here, rays, reach=_SKY_REACH / 2)
     return free / _SKY_RAYS
-
-
-def _blocked(
-    scene: rtcore_scene.EmbreeScene,
-    starts: Float[np.ndarray, "N 3"],
-    directions: Float[np.ndarray, "*rays 3"],
-    *,
-    reach: float,
-) -> Bool[np.ndarray, "N"]:
-    """Whether anything lies within `reach` along each ray."""
-    if len(starts) == 0:
-        return np.zeros(0, dtype=bool)
-    limits = np.full(len(starts), reach, dtype=np.float32)
-    rays = np.ascontiguousarray(np.broadcast_to(directions, starts.shape), dtype=np.float32)
-    return scene.run(np.ascontiguousarray(starts), rays, dists=limits, query="OCCLUDED") == 0
 
 
 def _unit(vectors: Float[np.ndarray, "*rows 3"]) -> Float[np.ndarray, "*rows 3"]:

@@ -1,4 +1,4 @@
-"""One camera for many shapes of the unit cube, so that their pictures compare."""
+"""Camera shared by shapes of the unit cube, so that their pictures compare."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -45,7 +45,7 @@ class View:
         return view.holding(view.reach_of(shapes))
 
     def reach_of(self, shapes: Iterable[Float[np.ndarray, "_v 3"]]) -> Float[np.ndarray, "2"]:
-        """How far vertices lie from the middle at most, across and up the picture, in cube sides."""
+        """Largest distance of vertices from the middle, across and up the picture, in cube sides."""
         middle, axes = np.array(self.middle), self._axes
         reaches = [np.abs((points - middle) @ axes).max(axis=0) for points in shapes if len(points)]
         return np.max([np.zeros(2), *reaches], axis=0)
@@ -88,5 +88,5 @@ class View:
 
     @property
     def blank(self) -> UInt8[np.ndarray, "H W 3"]:
-        """A white picture: no shape stands here."""
+        """A white picture: no shape is here."""
         return np.full((self.size[1], self.size[0], 3), 255, dtype=np.uint8)

@@ -1,1 +1,1 @@
-"""The results as one page that opens offline: tables, figures, solids to turn and cut, provenance."""
+"""Results as one HTML page that opens offline: tables, figures, solids, provenance."""

@@ -1,4 +1,4 @@
-"""The figures under results, made to fit into one page."""
+"""Pictures under results, reduced to fit into the page."""
 
 import io
 from collections.abc import Mapping, Sequence
@@ -53,7 +53,7 @@ def read_figures(
 ) -> list[Figure]:
     """Every PNG under `figures/`: those of the categories in their order, then the rest by path.
 
-    Pictures stand in the page byte for byte as long as all of them fit the budget; the largest are reduced
+    Pictures are in the page byte for byte as long as all of them fit the budget; the largest are reduced
     otherwise, and say so.
 
     Raises:

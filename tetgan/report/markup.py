@@ -1,4 +1,4 @@
-"""Text of files as HTML: whatever a file says is shown, never obeyed."""
+"""Text and tables of files as escaped HTML."""
 
 import base64
 import re
@@ -23,11 +23,11 @@ _ASIDE = re.compile(r"(?P<paper>\(paper [^()]*\))|(?P<interval>\[[-+\d.,e ]+\])"
 
 _PAPERS = re.compile(r"paper\b(?!')|.*[_ ]paper$", re.IGNORECASE)  # title of a column of the paper's figures
 
-_DEEPER = 2  # headings of a file stand this many levels below those of the page
+_DEEPER = 2  # headings of a file are this many levels below those of the page
 
 
 def cell_text(text: str) -> Markup:
-    """Escaped text, with what stands beside a value set apart: its interval and the paper's figure."""
+    """Escaped text, with what follows a value set apart: its interval and the paper's figure."""
     parts, end = [], 0
     for match in _ASIDE.finditer(text):
         parts.append(escape(text[end : match.start()]))
@@ -37,7 +37,7 @@ def cell_text(text: str) -> Markup:
 
 
 def table_html(header: Sequence[str], rows: Sequence[Sequence[str]], *, numbers: bool = True) -> Markup:
-    """A table in a box that scrolls sideways; numbers stand on the right, columns of the paper in grey.
+    """A table in a box that scrolls sideways; numbers are on the right, columns of the paper in grey.
 
     Cells that are `Markup` already stay as they are, all others are escaped.
 

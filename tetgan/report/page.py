@@ -37,7 +37,7 @@ MOST_BYTES = 15_000_000
 log = logging.getLogger(__name__)
 
 
-def write_report(
+def report_page(
     results: Path,
     out: Path,
     *,

@@ -1,4 +1,4 @@
-"""What the results came from: code, packages, machine, seeds, and the time each stage took."""
+"""Provenance of results: code, packages, machine, seeds, and the time of each stage."""
 
 import json
 import os

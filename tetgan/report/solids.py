@@ -1,4 +1,4 @@
-"""Generated solids, packed into a page: whole tet meshes, each tet with its quality."""
+"""Generated solids packed into the page: whole tet meshes with the quality of each tet."""
 
 import base64
 import logging
@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from itertools import zip_longest
 from pathlib import Path
 from typing import Any
-from xml.etree.ElementTree import ParseError
 
-import meshio
 import numpy as np
-import pandas as pd
 from jaxtyping import Float, Int, UInt8
 
 from tetgan.errors import UserError
 from tetgan.geometry.tets import dihedral_angles, radius_ratios, tet_volumes
+from tetgan.solids.folder import read_certificates
+from tetgan.solids.reading import read_tets
 
 BUDGET = 6_000_000
 """Characters of all packed solids together."""
@@ -45,12 +44,14 @@ class SampleSet:
 
     @property
     def validity(self) -> str:
-        """How many of all solids that it generated are valid, by their certificate; empty without one."""
+        """Number of valid ones among all solids it generated, by their certificate; empty without one."""
         try:
-            certificate = pd.read_csv(self.paths[0].parent.parent / "certificate.csv", dtype={"set": str})
-            made = certificate[(certificate["set"] == "generated") & (certificate["tets"] > 0)]
+            table = read_certificates(self.paths[0].parent.parent)
+            if table is None:
+                return ""
+            made = table[(table["set"] == "generated") & (table["tets"] > 0)]
             return f"{int(made['valid'].sum())} of {len(made)} valid"
-        except (OSError, ValueError, KeyError):
+        except (UserError, KeyError):  # a damaged one, or one of surfaces
             return ""
 
 
@@ -97,7 +98,7 @@ def pack_sets(sets: Sequence[SampleSet], budget: int = BUDGET) -> list[dict[str,
     packed: list[list[dict[str, Any]]] = [[] for _ in sets]
     left, missed = budget, 0
     for number, path in _in_turn(sets):
-        solid = {"id": path.stem, **pack_solid(*_read_solid(path))}
+        solid = {"id": path.stem, **pack_solid(*read_tets(path))}
         size = sum(len(value) for value in solid.values() if isinstance(value, str))
         if size > left:
             missed += 1
@@ -124,14 +125,6 @@ def pack_sets(sets: Sequence[SampleSet], budget: int = BUDGET) -> list[dict[str,
 def _in_turn(sets: Sequence[SampleSet]) -> Iterator[tuple[int, Path]]:
     for rank in zip_longest(*(one.paths for one in sets)):
         yield from ((number, path) for number, path in enumerate(rank) if path)
-
-
-def _read_solid(path: Path) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "T 4"]]:
-    try:
-        mesh = meshio.vtu.read(str(path))
-        return np.asarray(mesh.points, dtype=float), np.asarray(mesh.cells_dict["tetra"], dtype=np.int64)
-    except (meshio.ReadError, ParseError, KeyError, ValueError) as error:
-        raise UserError(f"{path}: not a solid (.vtu) of tets: {error}") from None
 
 
 def pack_solid(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> dict[str, Any]:

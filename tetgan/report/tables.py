@@ -1,4 +1,4 @@
-"""The tables under results, each as its Markdown twin shows it, with the whole CSV to take along."""
+"""Tables under results as HTML, with the whole CSV to save."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ _LAST = ("dataset", "runtime")  # about the run, not about the models
 
 @dataclass(frozen=True)
 class Table:
-    """A table of the page: `html` is what is shown, `csv` a data URI of the file."""
+    """A table of the page: `html` is shown, `csv` is a data URI of the file."""
 
     name: str
     path: str
@@ -85,7 +85,7 @@ def _shown(path: Path) -> Markup:
         raise UserError(f"{path}: not a CSV table: {error}") from None
     left_out = len(table.columns) - MOST_COLUMNS
     shown = table.iloc[:, :MOST_COLUMNS].map(_rounded)
-    note = Markup("<p>{} more columns stand in the CSV.</p>\n").format(left_out) if left_out > 0 else ""
+    note = Markup("<p>{} more columns are in the CSV.</p>\n").format(left_out) if left_out > 0 else ""
     return table_html(list(shown.columns), shown.to_numpy().tolist()) + note
 
 

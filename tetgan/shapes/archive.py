@@ -1,4 +1,4 @@
-"""A shard of repaired meshes: one zip with two arrays a mesh and a table of records."""
+"""Shards of repaired meshes: one zip with two arrays per mesh and a table of records."""
 
 import io
 import zipfile
@@ -80,7 +80,7 @@ def pick_meshes(paths: Sequence[Path], ids: Iterable[str]) -> dict[str, Triangle
 
 
 def read_records(path: Path) -> pd.DataFrame:
-    """One row a listed shape of the shard, repaired or not, with columns as `read_table` gives them."""
+    """One row per listed shape of the shard, repaired or not, with columns as `read_table` gives them."""
     with _open(path) as archive:
         return read_table(io.BytesIO(archive.read(_RECORDS)))
 

@@ -1,4 +1,4 @@
-"""The register of a category: one row a listed shape, whatever became of it."""
+"""Catalogue of a category: one row per listed shape with its split, status and reason."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -23,7 +23,7 @@ def gather_catalogue(shards: Sequence[Path], split: SplitOptions, out: Path) -> 
     repeated = table["id"][table["id"].duplicated()]
     if len(repeated):
         raise UserError(
-            f"{out}: shape '{repeated.iloc[0]}' stands in two shards; were they made with one config?"
+            f"{out}: shape '{repeated.iloc[0]}' is in two shards; were they made with one config?"
         )
     if not table["status"].isin(["ok", "filled"]).any():
         reasons = Counter(table["reason"][table["status"] == "rejected"]).most_common(1)
@@ -47,11 +47,11 @@ def read_catalogue(path: Path) -> pd.DataFrame:
         table = read_table(path)
     except ValueError as error:
         raise UserError(
-            f"{path}: not a catalogue ({str(error).strip()}); make it with 'tetgan catalogue'"
+            f"{path}: not a catalogue ({str(error).strip()}); make it with 'tetgan gather-catalogue'"
         ) from None
     missing = [name for name in ("id", "split") if name not in table]
     if missing:
         raise UserError(
-            f"{path}: not a catalogue (no column '{missing[0]}'); make it with 'tetgan catalogue'"
+            f"{path}: not a catalogue (no column '{missing[0]}'); make it with 'tetgan gather-catalogue'"
         )
     return table

@@ -1,16 +1,16 @@
-"""Cleaning of raw triangle meshes before anything else touches them."""
+"""Cleaning of raw triangle meshes before repair."""
 
 import numpy as np
 from jaxtyping import Float, Int
 
-from tetgan.geometry.triangles import TriangleMesh
+from tetgan.geometry.triangles import TriangleMesh, area_normals
 
 # A flat or needle-like shape encloses nothing; thinner than this share of its longest side it is refused.
 THINNEST = 1e-4
 
 
 class ShapeError(Exception):
-    """A shape that cannot be used; the message is the reason that stands in the catalogue."""
+    """A shape that cannot be used; the message is the reason in the catalogue."""
 
 
 def clean_mesh(soup: TriangleMesh) -> TriangleMesh:
@@ -49,8 +49,7 @@ def _doubled_areas(
     size = np.ptp(vertices, axis=0).max()
     if size == 0:
         return np.zeros(len(faces))
-    a, b, c = ((vertices - vertices.mean(axis=0)) / size)[faces].transpose(1, 0, 2)
-    doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    doubled = np.linalg.norm(area_normals(((vertices - vertices.mean(axis=0)) / size)[faces]), axis=1)
     return np.where(doubled > 1e-12, doubled, 0.0)
 
 

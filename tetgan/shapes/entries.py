@@ -65,7 +65,7 @@ def _digest(text: str, length: int = 8) -> str:
 def assign_splits(entries: Sequence[ShapeEntry], options: SplitOptions) -> dict[str, str]:
     """Id to 'train', 'validation' or 'holdout', for all listed shapes of a category.
 
-    A source's own split stands. The others are permuted by the seed, and the first of every `validation`
+    A source's own split is kept. The others are permuted by the seed, and the first of every `validation`
     of them, rounded, validates. What repair makes of a shape plays no part, so every stage agrees.
     """
     splits = {entry.id: entry.split for entry in entries if entry.split is not None}

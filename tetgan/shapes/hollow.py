@@ -1,4 +1,4 @@
-"""Insides that a repair left hollow, because an open sheet became a thin shell around nothing.
+"""Find and fill rooms that a repair left hollow, where an open sheet became a thin shell.
 
 A vase with a thick wall is open, and stays so; a sofa whose underside was never modelled, a car of single
 sheets with a gap in its floor, are hollow. Two shares of the directions around a point tell them apart: those
@@ -8,9 +8,9 @@ in which it meets a wall at all, and those in which that wall is a sheet, too th
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from tetgan.geometry.components import label_components
+from tetgan.geometry.inside import is_inside
 from tetgan.geometry.rays import Visibility, spread_directions
 from tetgan.geometry.triangles import TriangleMesh
 
@@ -59,10 +59,8 @@ def hollow_voxels(
     solid: TriangleMesh, sheet_thickness: float
 ) -> tuple[Bool[np.ndarray, "X Y Z"], Float[np.ndarray, "3"], float]:
     """Which voxels are hollow, the centre of the first one, and their size."""
-    import igl  # noqa: PLC0415
-
     points, shape, step = _voxels(solid)
-    outside = igl.fast_winding_number(solid.vertices, solid.faces, points) < 0.5
+    outside = ~is_inside(points, solid.vertices, solid.faces)
     visibility = Visibility(solid.triangles)
     walled, sheets = np.zeros((2, len(points)))
     walled[outside], sheets[outside] = _wall_shares(visibility, points[outside], sheet_thickness)
@@ -113,7 +111,7 @@ def _label_rooms(
     shape: tuple[int, int, int],
     step: float,
 ) -> Int[np.ndarray, "M"]:
-    """Number of the room each member voxel is in: neighbours share one unless a wall stands between them.
+    """Number of the room each member voxel is in: neighbours share one unless a wall is between them.
 
     Labelling the voxels alone would join rooms through their walls, for a sheet is thinner than a voxel.
     """
@@ -126,8 +124,7 @@ def _label_rooms(
         pair = pair[:, (pair >= 0).all(axis=0)]
         links.append(pair[:, visibility.sees_out(points[members[pair[0]]], np.eye(3)[[axis]], reach=step)])
     here, there = np.concatenate(links, axis=1)
-    graph = coo_array((np.ones(len(here)), (here, there)), shape=(len(members), len(members)))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    return label_components(here, there, len(members))
 
 
 def _snap(vertices: Float[np.ndarray, "V 3"], solid: TriangleMesh, reach: float) -> Float[np.ndarray, "V 3"]:

@@ -1,4 +1,4 @@
-"""A child process that may crash or hang, and is replaced when it does."""
+"""Child process that may crash or hang, replaced when it does."""
 
 import contextlib
 import os
@@ -112,7 +112,7 @@ class MeshWorker:
         return self._process
 
     def _obituary(self) -> str:
-        """Why the child ended, told after its pipe has closed."""
+        """The reason why the child ended, once its pipe has closed."""
         assert self._process is not None
         with contextlib.suppress(subprocess.TimeoutExpired):
             self._process.wait(timeout=10)  # else the kill below would be its exit status

@@ -1,4 +1,4 @@
-"""Bytes of a mesh file to a soup. The bytes are untrusted: no pickle, no second file, bounded size."""
+"""Mesh files to triangle soups; bytes are untrusted: no pickle, no second file, bounded size."""
 
 import io
 import logging

@@ -1,4 +1,4 @@
-"""How repair talks to its child process: length, then an .npz; plain arrays, never a pickle."""
+"""Messages between repair and its child process: a length, then an .npz of plain arrays."""
 
 import io
 import struct

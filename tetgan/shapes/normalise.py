@@ -1,4 +1,4 @@
-"""The frame every shape is brought to."""
+"""Normalisation of a shape to the unit cube."""
 
 import numpy as np
 from jaxtyping import Float

@@ -1,4 +1,4 @@
-"""Options of the shapes room: where meshes come from, how they are repaired and split."""
+"""Options of sources, repair and split."""
 
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +18,7 @@ class BuiltinSource(Options):
 
 
 class FolderSource(Options):
-    """What every source made of files has in common."""
+    """Base of every source made of files."""
 
     path: Path = Field(description="root folder")
     limit: int | None = Field(
@@ -73,7 +73,7 @@ SourceOptions = Annotated[
 
 
 class RepairOptions(Options):
-    """How a triangle soup becomes a watertight solid; docs/repair.md has the figures behind the defaults."""
+    """Options of repair, from triangle soup to watertight solid; docs/repair.md gives the reasons."""
 
     method: Literal["manifold", "alpha_wrap"] = Field(
         "alpha_wrap",
@@ -88,9 +88,6 @@ class RepairOptions(Options):
     )
     offset: float = Field(
         0.001, gt=0, le=0.1, description="alpha_wrap: outward offset, fraction of the longest side"
-    )
-    simplify_faces: int | None = Field(
-        None, ge=100, description="quadric decimation of the result to this many faces"
     )
     fill_hollow: bool = Field(True, description="fill insides that open sheets left hollow")
     sheet_thickness: float = Field(

@@ -1,11 +1,12 @@
-"""A triangle soup to a watertight solid: clean, wrap, fill what came out hollow, check."""
+"""Repair of a triangle soup to a watertight solid: clean, wrap, fill hollow rooms, check."""
 
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
-from tetgan.geometry.triangles import TriangleMesh
+from tetgan.geometry.boundary import Boundary
+from tetgan.geometry.triangles import TriangleMesh, join_meshes
 from tetgan.shapes.cleaning import ShapeError, clean_mesh
 from tetgan.shapes.hollow import find_hollow
 from tetgan.shapes.isolation import RepairWorker
@@ -21,7 +22,7 @@ class Repaired:
     """A watertight solid, in the frame in which the raw shape just fits the unit cube.
 
     Attributes:
-        solid: closed, oriented outward; it stands out of the unit cube by the offset of the repair.
+        solid: closed, oriented outward; it may leave the unit cube by the offset of the repair.
         volume: of the solid.
         filled_share: how much of that volume was hollow before; 0 for nearly every shape.
         hollow: an inside is still hollow.
@@ -51,15 +52,11 @@ def repair_shape(soup: TriangleMesh, worker: RepairWorker, options: RepairOption
     plug = find_hollow(solid, sheet_thickness)
     filled_share = 0.0
     if plug is not None and options.fill_hollow:
-        solid = worker.repair(_join(raw, plug))
+        solid = worker.repair(join_meshes([raw, plug]))
         hollow_volume, volume = volume, check_solid(solid)
         filled_share = 1 - hollow_volume / volume
         distances = surface_distances(raw, solid)
         plug = find_hollow(solid, sheet_thickness)
-    if options.simplify_faces is not None:
-        solid = simplify_solid(solid, options.simplify_faces)
-        volume = check_solid(solid)
-        distances = surface_distances(raw, solid)
     return Repaired(solid, volume, filled_share, plug is not None, float(distances.mean()))
 
 
@@ -69,16 +66,14 @@ def check_solid(solid: TriangleMesh) -> float:
     Raises:
         ShapeError: it is not.
     """
-    import trimesh  # noqa: PLC0415  half a second
-
     if not len(solid.faces) or not np.isfinite(solid.vertices).all():
         raise ShapeError("repair left no finite surface")
-    mesh = trimesh.Trimesh(solid.vertices, solid.faces, process=False)
-    if not (mesh.is_watertight and mesh.is_winding_consistent):
+    boundary = Boundary(solid.faces)
+    if boundary.nonmanifold_edges or boundary.misoriented_edges:
         raise ShapeError("not watertight after repair")
-    if not mesh.volume > 0:
+    if not solid.volume > 0:
         raise ShapeError("no volume after repair")
-    return float(mesh.volume)
+    return solid.volume
 
 
 def surface_distances(raw: TriangleMesh, solid: TriangleMesh) -> Float[np.ndarray, "P"]:
@@ -91,22 +86,3 @@ def surface_distances(raw: TriangleMesh, solid: TriangleMesh) -> Float[np.ndarra
         raise ShapeError(str(error)) from None
     squared, _, _ = igl.point_mesh_squared_distance(points, solid.vertices, solid.faces)
     return np.sqrt(squared)
-
-
-def _join(first: TriangleMesh, second: TriangleMesh) -> TriangleMesh:
-    return TriangleMesh(
-        np.concatenate([first.vertices, second.vertices]),
-        np.concatenate([first.faces, second.faces + len(first.vertices)]),
-    )
-
-
-def simplify_solid(solid: TriangleMesh, faces: int) -> TriangleMesh:
-    """Quadric decimation to a number of faces."""
-    import fast_simplification  # noqa: PLC0415
-
-    if len(solid.faces) <= faces:
-        return solid
-    vertices, kept = fast_simplification.simplify(
-        solid.vertices.astype(np.float32), solid.faces.astype(np.int32), target_count=faces
-    )
-    return TriangleMesh(vertices.astype(np.float64), kept.astype(np.int64))

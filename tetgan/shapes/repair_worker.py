@@ -1,4 +1,4 @@
-"""The child process of repair and simplification: the only place that imports the C++ repair libraries.
+"""Child process of repair and simplification, the only importer of the C++ repair libraries.
 
 Run as `python -m tetgan.shapes.repair_worker OPTIONS_JSON`; meshes arrive on stdin and leave on stdout.
 A crash or a hang of a library ends this process and nothing else. pymeshlab is GPL-3: it stays behind this

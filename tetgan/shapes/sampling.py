@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from tetgan.geometry.rays import Visibility
+from tetgan.geometry.triangles import area_normals
 
 # Directions tried on each side of a point, over its half sphere: neighbours are about 18 degrees apart, so
 # what can be seen only through a chink narrower than that may count as inside.
@@ -68,7 +69,7 @@ def _draw(
     triangles: Float[np.ndarray, "F 3 3"], count: int, rng: np.random.Generator
 ) -> tuple[Points, Points]:
     """Area-uniform points on triangles and their unit normals."""
-    crosses = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    crosses = area_normals(triangles)
     doubled_areas = np.linalg.norm(crosses, axis=1)
     total = np.cumsum(doubled_areas)
     if not len(total) or not total[-1] > 0:

@@ -1,4 +1,4 @@
-"""One door to every source of shapes: what it lists, and the triangles of one entry."""
+"""List the shapes of any source, and load one."""
 
 import hashlib
 from collections.abc import Callable, Iterable
@@ -51,7 +51,7 @@ def load_shape(source: SourceOptions, category: str, entry: ShapeEntry) -> Trian
     """
     if isinstance(source, BuiltinSource):
         shape = generate_shape(category, int(entry.path), source.seed)
-        return TriangleMesh(shape.vertices, shape.faces)
+        return shape
     soup = parse_mesh(_read(source, entry), PurePosixPath(entry.path).suffix.lower())
     vertices = soup.vertices
     if isinstance(source, SweetHome3DSource):

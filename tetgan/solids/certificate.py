@@ -1,4 +1,4 @@
-"""Whether a tet mesh is a solid that one can compute with, and how good its tets are."""
+"""Certificate of a tet mesh: validity as a solid, and quality of its tets."""
 
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -18,7 +18,7 @@ BINS = 10
 
 @dataclass(frozen=True)
 class Certificate:
-    """What was found in a mesh. All is 0 for a mesh without tets.
+    """Counts of a mesh's defects, and quality of its tets. All is 0 for a mesh without tets.
 
     Attributes:
         tets, faces: of the mesh, and of its boundary.
@@ -38,7 +38,7 @@ class Certificate:
         misoriented_edges: edges whose two faces do not turn the same way.
         self_intersections: pairs of boundary faces that meet anywhere but in vertices they share.
         cavities: voids that the outside does not reach: shells of the boundary that enclose negative volume.
-        overlapping_shells: shells of the boundary that lie in tets of another part of the mesh. Told of a
+        overlapping_shells: shells of the boundary that lie in tets of another part of the mesh. Counted for a
             boundary that is manifold and free of self-intersections only; None otherwise.
     """
 
@@ -69,7 +69,7 @@ class Certificate:
 
     @property
     def reasons(self) -> list[str]:
-        """What keeps the mesh from being valid, in words."""
+        """Reasons for which the mesh is not valid, in words."""
         if not self.tets:
             return ["no tets"]
         found = {
@@ -97,7 +97,7 @@ class Certificate:
 
 
 def certify(vertices: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Certificate:
-    """Examine a tet mesh, whatever it came from.
+    """Examine a tet mesh of any origin.
 
     A mesh is valid where every tet is positive, no face has more than two tets or both on one side, every
     boundary edge has two faces and every boundary vertex one fan, no two boundary faces meet but in what they

@@ -6,16 +6,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import pandas as pd
 from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.solids.certificate import Certificate, certify
+from tetgan.solids.folder import write_certificates
 from tetgan.solids.reading import find_meshes, read_tets
-
-TABLE = "certificate.csv"
 
 
 class Certified(NamedTuple):
@@ -109,8 +107,7 @@ def _certify_file(path: Path) -> Certificate:
 def _write(found: Sequence[Certified], out: Path) -> None:
     for one in found:
         _write_json(out / f"{one.name}.json", one.to_json())
-    with whole_file(out / TABLE) as partial:
-        pd.DataFrame([one.row() for one in found]).to_csv(partial, index=False)
+    write_certificates(out, [one.row() for one in found])
 
 
 def _write_json(path: Path, values: Mapping[str, Any]) -> None:

@@ -1,4 +1,4 @@
-"""Meshes in the formats that other programs read."""
+"""Write meshes in the formats of other programs."""
 
 from pathlib import Path
 from typing import Any

@@ -5,12 +5,10 @@ from typing import Any
 
 import numpy as np
 from jaxtyping import Float, Int
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from tetgan.geometry.boundary import Boundary
 from tetgan.geometry.rays import Visibility
-from tetgan.geometry.triangles import TriangleMesh
+from tetgan.geometry.triangles import TriangleMesh, area_normals
 from tetgan.solids.certificate import Certificate, certify
 from tetgan.solids.solid import SolidMesh
 
@@ -35,7 +33,7 @@ def median_thickness(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, 
     if len(faces) == 0:
         return 0.0
     corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(corners)
     doubled_areas = np.linalg.norm(normals, axis=1)
     inward = -normals / np.maximum(doubled_areas, np.finfo(float).tiny)[:, None]
     lengths = Visibility(corners).distances(corners.mean(axis=1) + _INWARD * inward, inward) + _INWARD
@@ -83,20 +81,9 @@ def surface_record(surface: TriangleMesh) -> dict[str, int | float]:
         `faces`; `volume` enclosed, in cubed cube sides; `components` of faces that share vertices;
         `manifold_edges`, the share of edges with exactly two faces. All are 0 for an empty surface.
     """
-    corners = surface.triangles - 0.5
     return {
         "faces": len(surface.faces),
-        "volume": float(np.linalg.det(corners).sum() / 6),
-        "components": _vertex_component_count(surface.faces),
+        "volume": surface.volume,
+        "components": surface.components,
         "manifold_edges": Boundary(surface.faces).manifold_edges,
     }
-
-
-def _vertex_component_count(faces: Int[np.ndarray, "F 3"]) -> int:
-    used, compact = np.unique(faces, return_inverse=True)
-    if len(used) == 0:
-        return 0
-    a, b, c = compact.reshape(-1, 3).T
-    ends = np.concatenate([a, b]), np.concatenate([b, c])
-    links = sparse.coo_array((np.ones(len(ends[0]), dtype=bool), ends), shape=(len(used),) * 2)
-    return int(connected_components(links, directed=False, return_labels=False))

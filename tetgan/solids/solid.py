@@ -3,12 +3,15 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Int
+
+from tetgan.geometry.tets import TetMesh
+from tetgan.geometry.triangles import TriangleMesh
 
 
 @dataclass(frozen=True)
 class SolidChanges:
-    """What was done to the occupancy that Eq. 5 left, to make a valid solid of it; nothing in mode `paper`.
+    """Changes of the occupancy that Eq. 5 left, made for a valid solid; none in mode `paper`.
 
     Attributes:
         tets_added: tets filled for the sake of a manifold boundary.
@@ -30,7 +33,7 @@ class SolidChanges:
 
 
 @dataclass(frozen=True, eq=False)
-class SolidMesh:
+class SolidMesh(TetMesh):
     """Tets, and the boundary faces of their connectivity, on shared vertices.
 
     Attributes:
@@ -40,7 +43,10 @@ class SolidMesh:
         changes: of the occupancy, in mode `solid`.
     """
 
-    vertices: Float[np.ndarray, "V 3"]
-    tets: Int[np.ndarray, "T 4"]
     faces: Int[np.ndarray, "F 3"]
     changes: SolidChanges = SolidChanges()
+
+    @property
+    def surface(self) -> TriangleMesh:
+        """The boundary, on all vertices."""
+        return TriangleMesh(self.vertices, self.faces)

@@ -1,1 +1,1 @@
-"""Studies beside the tables: resolution, smoothing, the latent space, and how new samples are."""
+"""Studies beside the tables: resolution, smoothing, latent space."""

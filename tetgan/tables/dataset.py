@@ -1,4 +1,4 @@
-"""Stage: how many shapes each category has, and what became of them."""
+"""Stage: number of shapes per category: listed, repaired, rejected, split."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -10,7 +10,7 @@ import pandas as pd
 from tetgan.errors import UserError
 from tetgan.shapes.catalogue import read_catalogue
 from tetgan.tables.markdown import markdown_table, page, plain, write_twins
-from tetgan.tables.paper import read_paper, stated
+from tetgan.tables.paper import quoted_figure, read_paper
 
 CATEGORIES = ("chair", "sofa", "bench", "table", "car", "vase")
 """Those of the paper: each is a row, empty but for the paper's figure where it was not run."""
@@ -36,7 +36,7 @@ _NOTES = [
 ]
 
 
-def write_dataset(catalogues: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_dataset(catalogues: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:
@@ -72,11 +72,11 @@ def count_shapes(catalogue: pd.DataFrame) -> dict[str, Any]:
 
 
 def build_dataset(counts: Mapping[str, Mapping[str, Any]], paper: pd.DataFrame) -> pd.DataFrame:
-    """One row a category: the paper's in its order, then further ones."""
+    """One row per category: the paper's in its order, then further ones."""
     rows = [
         {"category": category}
         | {name: counts.get(category, {}).get(name) for name in (*COUNTS, "reasons")}
-        | {"listed_paper": stated(paper, category, "data set", "shapes")}
+        | {"listed_paper": quoted_figure(paper, category, "data set", "shapes")}
         for category in dict.fromkeys([*CATEGORIES, *counts])
     ]
     columns = ["category", "listed", "listed_paper", *COUNTS[1:], "reasons"]

@@ -8,33 +8,11 @@ from typing import Any
 import pandas as pd
 
 from tetgan.errors import UserError
-from tetgan.evaluation.estimates import FEATURE_METRICS, SET_METRICS
 from tetgan.evaluation.folders import measure_folders
+from tetgan.evaluation.metrics import METRICS, names_of, titles_of
 from tetgan.files import whole_file
 from tetgan.tables.markdown import round_value
-from tetgan.tables.notes import TITLES, drawn, extractor_line, set_conventions
-
-MEANINGS = {
-    "chamfer": "reconstructions: mean squared distance to the nearest point, each way, summed",
-    "chamfer_l1": "the same, distances not squared, mean of both ways",
-    "fscore": "harmonic mean of the shares of points within the threshold of the other surface",
-    "normal_consistency": "mean cosine between normals of nearest points",
-    "volume_iou": "volume inside both over volume inside either",
-    "fid": "Fréchet distance of Gaussians fitted to features",
-    "fid_infinity": "the same, extrapolated to infinitely many shapes",
-    "kid": "kernel distance of features, unbiased; can be negative",
-    "precision": "share of samples among the reference, by features",
-    "recall": "share of the reference among the samples, by features",
-    "mmd": "mean Chamfer distance from a reference shape to the nearest sample",
-    "cov": "share of the reference that is the nearest of some sample",
-    "nna": "how well nearest neighbours tell samples from reference: ½ is best, below it samples are copies",
-    "jsd": "divergence, in bits, of where the surfaces are",
-    "variety": "mean Chamfer distance of the closest of random pairs of samples",
-    "novelty": "mean Chamfer distance from a sample to the nearest training shape",
-    "faces": "mean triangles of a mesh",
-    "manifold_edges": "share of edges with exactly two faces",
-}
-"""What each figure is, in the order of the report."""
+from tetgan.tables.notes import drawn, extractor_line, set_conventions
 
 _FEW = 100
 
@@ -80,15 +58,15 @@ def _figures(report: Mapping[str, Any]) -> str:
     found, floor = report["found"]["metrics"], (report["floor"] or {"metrics": {}})["metrics"]
     rows = [
         {
-            "Metric": TITLES[metric],
-            "Samples": _cell(found.get(metric)),
-            "N": _number(found.get(metric)),
-            "Floor": _cell(floor.get(metric)),
-            "N of the floor": _number(floor.get(metric)),
-            "What it is": MEANINGS[metric],
+            "Metric": metric.heading,
+            "Samples": _cell(found.get(metric.name)),
+            "N": _number(found.get(metric.name)),
+            "Floor": _cell(floor.get(metric.name)),
+            "N of the floor": _number(floor.get(metric.name)),
+            "What it is": metric.meaning,
         }
-        for metric in MEANINGS
-        if any(side.get(metric, {}).get("value") is not None for side in (found, floor))
+        for metric in METRICS
+        if any(side.get(metric.name, {}).get("value") is not None for side in (found, floor))
     ]
     return pd.DataFrame(rows).to_markdown(index=False, disable_numparse=True)
 
@@ -155,10 +133,10 @@ def _warnings(report: Mapping[str, Any]) -> Iterator[str]:
 def _left_out(report: Mapping[str, Any]) -> Iterator[str]:
     """Metrics for which something was not given."""
     if not report["extractor"]:
-        titles = ", ".join(TITLES[metric].split()[0] for metric in FEATURE_METRICS)
-        yield f"No --extractor, so no {titles}."
+        yield f"No --extractor, so no {titles_of(names_of('features'))}."
     if not report["reconstructions"]:
-        yield "No --reconstructions, so no Chamfer distance, F-score, normals or volume IoU."
+        given = [name for name in names_of("reconstruction") if name != "iou"]
+        yield f"No --reconstructions, so no {titles_of(given)}."
     if not report["training"]:
         yield "No --training, so no novelty: copies of training shapes would go unnoticed."
 
@@ -181,7 +159,7 @@ def _small_numbers(report: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _most_compared(section: Mapping[str, Any]) -> int:
-    return max(section["metrics"].get(name, {"n": 0})["n"] for name in (*FEATURE_METRICS, *SET_METRICS))
+    return max(section["metrics"].get(name, {"n": 0})["n"] for name in names_of("features", "sets"))
 
 
 def _problems(problems: Mapping[str, str]) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Stage: which share of edges is manifold, in ground truth and in what models generate."""
+"""Stage: share of manifold edges in ground truth and in generated meshes."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -6,20 +6,22 @@ from typing import Any
 
 import pandas as pd
 
-from tetgan.tables.category import (
+from tetgan.evaluation.metrics import headings_of, names_of
+from tetgan.tables.markdown import markdown_table, metric_columns, page, plain, row_name, write_twins
+from tetgan.tables.paper import OWN_METHODS, quoted_figure, read_paper
+from tetgan.tables.rows import (
     METRIC_PARTS,
     estimates_of,
     group_reports,
     identity_cells,
+    is_real,
     known_mean,
     metric_cells,
     read_reports,
     with_whole_counts,
 )
-from tetgan.tables.markdown import cell, markdown_table, page, plain, row_name, write_twins
-from tetgan.tables.paper import read_paper, stated
 
-METRICS = ("manifold_edges", "boundary_edges", "nonmanifold_edges", "manifold_shapes")
+METRICS = ("manifold_edges", *names_of("edges"))
 """Shares of edges with two faces, one, and more; and the share of shapes that are closed manifolds."""
 
 IDENTITY = (
@@ -36,13 +38,6 @@ IDENTITY = (
     "reduced",
 )
 
-_TITLES = {
-    "manifold_edges": "Manifold edges ↑",
-    "boundary_edges": "One face ↓",
-    "nonmanifold_edges": "Three or more ↓",
-    "manifold_shapes": "Manifold shapes ↑",
-}
-
 _NOTES = [
     "Shares of a mesh's edges with two faces (manifold), one, and three or more; means over meshes. A shape "
     "is manifold where every edge has two faces and the faces around each vertex form one fan.",
@@ -54,7 +49,7 @@ _NOTES = [
 ]
 
 
-def write_manifold(metrics: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_manifold(metrics: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:
@@ -70,7 +65,7 @@ def write_manifold(metrics: Sequence[Path], paper: Path, out: Path) -> None:
 
 
 def build_manifold(reports: Sequence[Mapping[str, Any]], paper: pd.DataFrame) -> pd.DataFrame:
-    """One row a category, model, mode and smoothing: `IDENTITY`, then the columns of each metric."""
+    """One row per category, model, mode and smoothing: `IDENTITY`, then the columns of each metric."""
     rows = [
         _row(members, smoothing, paper)
         for category in dict.fromkeys(report["category"] for report in reports)
@@ -90,18 +85,19 @@ def _row(members: Sequence[Mapping[str, Any]], smoothing: str, paper: pd.DataFra
         "shapes": shapes,
         "n": None if measured is None else round(measured),
     }
-    # The paper speaks of its own method only.
-    own = first["model"].startswith(("tetgan", "representation"))
+    own = first.get("method") in OWN_METHODS
     for metric, found in estimates.items():
-        row |= metric_cells(metric, found, stated(paper, first["category"], shapes, metric) if own else None)
+        row |= metric_cells(
+            metric, found, quoted_figure(paper, first["category"], shapes, metric) if own else None
+        )
     return row
 
 
 def _shapes(report: Mapping[str, Any], smoothing: str) -> str:
     """Which shapes of a model the edges belong to."""
-    if report["model"] == "real":
+    if is_real(report):
         return "repaired"
-    if report["model"].startswith("representation"):
+    if report.get("method") == "representation":
         return "ground truth"
     return "generated" if report["smoothings"][smoothing]["generated"]["found"] else "reconstructed"
 
@@ -112,6 +108,6 @@ def _render(table: pd.DataFrame) -> str:
         "Model": table.apply(row_name, axis=1),
         "Shapes": table["shapes"],
         "N": table["n"].map(plain),
-        **{title: table.apply(cell, axis=1, metric=metric) for metric, title in _TITLES.items()},
+        **metric_columns(table, headings_of(METRICS)),
     }
     return page("Manifold edges", markdown_table(columns), notes=_NOTES)

@@ -1,4 +1,4 @@
-"""Cells and tables as people read them, and a table written twice: as CSV and as Markdown."""
+"""Tables in Markdown: cells, columns, pages; and a table written as CSV and as Markdown."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -38,6 +38,11 @@ def row_name(row: pd.Series) -> str:
     mode = ", solid" if row["mode"] == "solid" else ""
     smoothing = {"wls": ", wLS", "none": ", no wLS"}.get(row["smoothing"], "")
     return f"{row['model']}{mode}{smoothing}"
+
+
+def metric_columns(table: pd.DataFrame, headings: Mapping[str, str]) -> dict[str, pd.Series]:
+    """Cells of metrics by their heading, from a table that has their columns."""
+    return {heading: table.apply(cell, axis=1, metric=name) for name, heading in headings.items()}
 
 
 def cell(row: pd.Series, metric: str) -> str:

@@ -1,94 +1,21 @@
-"""A table as people read it: rounded, in Markdown, with what must be known to read it right."""
+"""Notes below tables: conventions, extractor, floor, and what to know of some rows."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
-import pandas as pd
-
 from tetgan.evaluation.jsd import CELLS
-from tetgan.tables.markdown import cell, markdown_table, page, plain, round_value, row_name
-
-_PAPERS = {"chamfer": "Chamfer ↓", "faces": "Faces", "fid": "FID ↓", "variety": "Variety ↑"}
-
-_OURS = {
-    "Reconstructions": {
-        "chamfer_l1": "Chamfer L1 ↓",
-        "fscore": "F-score ↑",
-        "normal_consistency": "Normals ↑",
-        "iou": "Field IoU ↑",
-        "volume_iou": "Volume IoU ↑",
-    },
-    "Generated shapes beside hold-out shapes: features": {
-        "kid": "KID ↓",
-        "fid_infinity": "FID∞ ↓",
-        "precision": "Precision ↑",
-        "recall": "Recall ↑",
-    },
-    "Generated shapes beside hold-out shapes: distances": {
-        "mmd": "MMD ↓",
-        "cov": "COV ↑",
-        "nna": "1-NNA → ½",
-        "jsd": "JSD ↓",
-        "novelty": "Novelty",
-    },
-    "Meshes": {
-        "manifold_edges": "Manifold edges ↑",
-        "inverted_tets": "Inverted tets ↓",
-        "valid": "Valid solids ↑",
-    },
-}
-
-TITLES = _PAPERS | {metric: title for group in _OURS.values() for metric, title in group.items()}
-"""Heading of every metric; the arrow points to the better side."""
-
-_MADE = {
-    "grid": "Grid",
-    "tets": "Tets",
-    "mode": "Mode",
-    "seeds": "Seeds",
-    "n": "Surfaces",
-    "train_minutes": "Training, min",
-    "reduced": "Other than the paper's",
-}
-
-_ABOUT_PAPER = (
-    "The paper's figures stand in parentheses as printed. They were measured on other shapes (ShapeNet, "
-    "COSEG), at the paper's sizes and with another extractor: they are no claim of equal conditions. Its "
-    "text also gives 98.9 % manifold edges for its ground-truth chairs and 98.5 % for generated ones."
-)
+from tetgan.evaluation.metrics import BY_NAME, names_of, titles_of
+from tetgan.tables.markdown import round_value
+from tetgan.tables.rows import is_real
 
 
-def render_table(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]], category: str) -> str:
-    """Markdown of a table made by `build_table` from those reports."""
-    names = {"Model": table.apply(row_name, axis=1)}
-    return page(
-        category,
-        _ABOUT_PAPER,
-        markdown_table(names | {title: table.apply(cell, axis=1, metric=m) for m, title in _PAPERS.items()}),
-        "## Beyond the paper",
-        *_groups(table, names),
-        "## How each row was made",
-        markdown_table(names | {title: table[column].map(plain) for column, title in _MADE.items()}),
-        notes=table_notes(table, reports),
-    )
-
-
-def _groups(table: pd.DataFrame, names: Mapping[str, pd.Series]) -> Iterator[str]:
-    """Heading and table of every group of our metrics."""
-    for heading, titles in _OURS.items():
-        yield f"### {heading}"
-        yield markdown_table(
-            {**names, **{title: table.apply(cell, axis=1, metric=m) for m, title in titles.items()}}
-        )
-
-
-def table_notes(table: pd.DataFrame, reports: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Conventions, extractor, floor, and what is amiss in some rows."""
+def table_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    """Conventions, extractor, floor, and remarks on some rows."""
     return [
         *_conventions(reports[0]["options"]),
         *extractor_notes(reports),
-        *_floor(table),
-        *_warnings(reports),
+        *_floor(reports),
+        *remarks(reports),
     ]
 
 
@@ -98,10 +25,11 @@ def _conventions(options: Mapping[str, Any]) -> list[str]:
         f"[…]: {100 * options['bootstrap']['level']:g} % intervals; ±: over seeds, or for one seed over "
         "repeats (variety) and blocks (KID). docs/metrics.md defines every metric.",
         f"Chamfer: mean squared nearest distance each way, summed, {options['points']:,} points a surface, "
-        f"unit cube, against the repaired mesh. F-score at {options['fscore_threshold']:g} of the cube.",
+        "unit cube, against the repaired mesh; mean over the reconstructions that have a surface. F-score at "
+        f"{options['fscore_threshold']:g} of the cube; it and volume IoU count a missing surface as 0.",
         f"Variety: mean Chamfer of the {variety['closest']} closest of {variety['pairs']} {drawn(variety)}, "
         f"{variety['repeats']} repeats.",
-        f"FID, KID, FID∞, precision and recall: {options['samples']} surfaces on each side, against hold-out "
+        f"{titles_of(names_of('features'))}: {options['samples']} surfaces on each side, against hold-out "
         "surfaces.",
         *set_conventions(options),
     ]
@@ -113,12 +41,14 @@ def drawn(variety: Mapping[str, Any]) -> str:
 
 
 def set_conventions(options: Mapping[str, Any]) -> list[str]:
-    """How sets of shapes were compared, from the options of a report."""
+    """Conventions of the comparison of sets, from the options of a report."""
     sets = options["sets"]
+    of_distances = [name for name in names_of("sets") if name != "jsd"]
     return [
-        f"MMD, COV and 1-NNA: {sets['shapes']} shapes on each side, Chamfer distance of {sets['points']} "
-        f"points a shape. JSD: points of the same shapes in {CELLS}³ cells, in bits. Novelty: mean Chamfer "
-        "distance to the nearest training shape, points as many; neither high nor low is good in itself.",
+        f"{titles_of(of_distances)}: {sets['shapes']} shapes on each side, Chamfer distance of "
+        f"{sets['points']} points a shape. JSD: points of the same shapes in {CELLS}³ cells, in bits. "
+        "Novelty: mean Chamfer distance to the nearest training shape, points as many; neither high nor low "
+        "is good in itself.",
         f"Volume IoU: {options['volume_points']:,} points in the box of both shapes, winding number above ½.",
     ]
 
@@ -142,32 +72,31 @@ def extractor_notes(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     return lines
 
 
-def _floor(table: pd.DataFrame) -> list[str]:
-    real = table[table["model"] == "real"]
-    if real.empty:
+def _floor(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+    real = next((report for report in reports if is_real(report)), None)
+    if real is None:
         return []
+    [section] = real["smoothings"].values()
     figures = ", ".join(
-        f"{title} {round_value(value)}"
-        for metric, title in (("fid", "FID"), ("kid", "KID"), ("chamfer", "Chamfer"), ("mmd", "MMD"))
-        if not pd.isna(value := real.iloc[0][metric])
+        f"{BY_NAME[metric].title} {round_value(value)}"
+        for metric in ("fid", "kid", "chamfer", "mmd")
+        if (value := section["metrics"].get(metric, {}).get("value")) is not None
     )
     return [
         f"Floor (row `real`): {figures or 'not measured'}. Features and sets compare real training surfaces "
         "with real hold-out surfaces; Chamfer compares a mesh with itself, sampled twice; novelty is that of "
-        "hold-out surfaces. Below it no model can be told from a perfect one."
+        "hold-out surfaces. Below it no model can be distinguished from a perfect one."
     ]
 
 
-def _warnings(reports: Sequence[Mapping[str, Any]]) -> list[str]:
+def remarks(reports: Sequence[Mapping[str, Any]]) -> list[str]:
     """Each distinct note once, with the rows it holds for."""
     rows: dict[str, list[str]] = {}
     for report in reports:
         for smoothing, section in report["smoothings"].items():
             made = f"{'solid, ' * (report.get('mode') == 'solid')}{smoothing}"
-            name = report["model"] if report["model"] == "real" else f"{report['model']} ({made})"
-            missing = section["generated"]["expected"] - section["generated"]["found"]
-            lost = [f"Generated shapes without a surface, left out: {missing}"] if missing else []
-            for note in [*section["notes"], *lost]:
+            name = report["model"] if is_real(report) else f"{report['model']} ({made})"
+            for note in section["notes"]:
                 rows.setdefault(note, []).append(name)
     total = sum(len(report["smoothings"]) for report in reports)
     return [

@@ -13,11 +13,12 @@ from jaxtyping import Float, Int
 
 from tetgan.errors import UserError
 from tetgan.evaluation.intervals import bootstrap
+from tetgan.evaluation.metrics import headings_of
 from tetgan.evaluation.options import BootstrapOptions
 from tetgan.evaluation.seeds import named_rng
-from tetgan.solids.folder import KINDS, SampleFolder
+from tetgan.solids.folder import CERTIFICATES, KINDS, SampleFolder
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, row_name, write_twins
-from tetgan.tables.paper import read_paper, stated
+from tetgan.tables.paper import OWN_METHODS, quoted_figure, read_paper
 
 IDENTITY = ("category", "model", "tets", "mode", "smoothing", "shapes", "seeds", "n", "empty")
 
@@ -61,17 +62,16 @@ _COUNTS = ("tets", "seeds", "n", "empty", *SUMS, "dropped_components")
 
 _NEEDED = {"id", "set", "valid", "p1_dihedral", "radius_ratios", "changed", "dropped_components", *SUMS}
 
-_TITLES = {
-    "valid": "Valid ↑",
-    "inverted_tets": "Inverted tets ↓",
+_HEADINGS = {
+    **headings_of(("valid", "inverted_tets")),
     "min_dihedral": "Least angle ↑",
     "p1_dihedral": "1 % of angles ↑",
     "min_radius_ratio": "Least radius ratio ↑",
-    "manifold_edges": "Manifold edges ↑",
-    "nonmanifold_edges": "Edges amiss ↓",
-    "nonmanifold_vertices": "Vertices amiss ↓",
+    **headings_of(("manifold_edges",)),
+    "nonmanifold_edges": "Non-manifold edges ↓",
+    "nonmanifold_vertices": "Non-manifold vertices ↓",
     "self_intersections": "Self-intersections ↓",
-    "components": "Components",
+    **headings_of(("components",)),
     "dropped_components": "Dropped",
     "changed_median": "Changed, median",
     "changed_p95": "Changed, 95 %",
@@ -85,9 +85,9 @@ _NOTES = [
     "no self-intersection of the boundary (libigl), no part within another; docs/certificate.md.",
     "Mode `paper` leaves the mesh as the paper's recipe makes it, `solid` makes it valid; the fields are the "
     "same. Training and validation shapes are ground-truth fields.",
-    "Inverted tets, edges and vertices amiss, self-intersections and dropped pieces are sums over meshes. "
-    "Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their tets fall "
-    "short of. Components are means. Empty meshes are left out.",
+    "Inverted tets, non-manifold edges and vertices, self-intersections and dropped pieces are sums over "
+    "meshes. Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their "
+    "tets fall short of. Components are means. Empty meshes are left out.",
     "Changed: tets added or removed to make the boundary manifold, as a share of those there were. Volume to "
     "paper: median over meshes of the volume beside that of mode `paper`.",
     "The paper states manifold edges of its ground-truth chairs and of generated ones (in parentheses), and "
@@ -108,10 +108,10 @@ class _Samples:
         return category, model, seed, mode
 
     @cached_property
-    def tets(self) -> int:
-        """Of the grid; 0 for models without one."""
-        about = self.folder / "about.json"
-        return int(json.loads(about.read_text()).get("tets") or 0) if about.is_file() else 0
+    def about(self) -> dict[str, Any]:
+        """Method, and number of tets of the grid; empty for samples of unknown origin."""
+        path = self.folder / "about.json"
+        return json.loads(path.read_text()) if path.is_file() else {}
 
     @cached_property
     def certificates(self) -> dict[str, pd.DataFrame]:
@@ -121,7 +121,7 @@ class _Samples:
             UserError: there are none, or they lack columns.
         """
         found = {}
-        for path in sorted(self.folder.glob("*/certificate.csv")):
+        for path in sorted(self.folder.glob(CERTIFICATES)):
             certificate = SampleFolder(path.parent).certificate
             if certificate is None or not _NEEDED.issubset(certificate.columns):
                 raise UserError(f"{path}: no certificate of solids; sample the model again")
@@ -131,7 +131,7 @@ class _Samples:
         return found
 
 
-def write_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:
@@ -179,20 +179,24 @@ def _row(
     found = [_meshes(member, smoothing, kind) for member in members]
     meshes = pd.concat(found)
     solids = meshes[meshes["tets"] > 0]
-    shapes = _shapes(model, kind)
+    about = members[0].about
+    method = about.get("method")
+    shapes = _shapes(method, kind)
     known = {"training": "ground truth", "generated": "generated"}  # as the paper calls them
-    own = model.startswith(("tetgan", "representation")) and shapes in known
+    own = method in OWN_METHODS and shapes in known
     return {
         "category": category,
         "model": model,
-        "tets": members[0].tets or None,
+        "tets": about.get("tets"),
         "mode": mode,
         "smoothing": smoothing,
         "shapes": shapes,
         "seeds": len(members),
         "n": len(solids),
         "empty": len(meshes) - len(solids),
-        "manifold_edges_paper": stated(paper, category, known[shapes], "manifold_edges") if own else None,
+        "manifold_edges_paper": quoted_figure(paper, category, known[shapes], "manifold_edges")
+        if own
+        else None,
         **(_figures(solids, mode) if len(solids) else {}),
         **_estimate("volume_ratio", _volume_ratios(members, samples, smoothing, kind), np.median),
     }
@@ -203,9 +207,9 @@ def _meshes(member: _Samples, smoothing: str, kind: str) -> pd.DataFrame:
     return certificate[certificate["set"] == kind].set_index("id")
 
 
-def _shapes(model: str, kind: str) -> str:
+def _shapes(method: str | None, kind: str) -> str:
     """What the fields are: of a representation they are the ground truth of the two splits."""
-    if model.startswith("representation"):
+    if method == "representation":
         return {"generated": "training", "reconstructed": "validation"}[kind]
     return kind
 
@@ -267,7 +271,7 @@ def _render(table: pd.DataFrame) -> str:
         "Shapes": table["shapes"],
         "N": table["n"].map(plain),
     }
-    columns |= {title: table.apply(_cell, axis=1, figure=name) for name, title in _TITLES.items()}
+    columns |= {title: table.apply(_cell, axis=1, figure=name) for name, title in _HEADINGS.items()}
     return page("Quality of the solids", markdown_table(columns), notes=_NOTES)
 
 

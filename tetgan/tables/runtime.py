@@ -10,10 +10,10 @@ import pandas as pd
 from tetgan.errors import UserError
 from tetgan.shapes.catalogue import read_catalogue
 from tetgan.shapes.clouds import read_clouds
-from tetgan.tables.category import group_reports, known_mean, read_reports
 from tetgan.tables.dataset import count_shapes
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, write_twins
-from tetgan.tables.paper import read_paper, stated
+from tetgan.tables.paper import quoted_figure, read_paper
+from tetgan.tables.rows import group_reports, is_real, known_mean, read_reports
 
 BENCHMARKS = (
     "repair_shapes/{category}/{shard}",
@@ -75,19 +75,20 @@ _NOTES = [
     "preprocess is repair_shapes and extract_fields together. A sampled or evaluated shape is a generated or "
     "a reconstructed one, each with and without smoothing.",
     "Memory is the resident set at its largest in any job of the row; memory of a GPU is not in it.",
-    "Figures and studies stand here where they had run before this table was made.",
+    "Figures and studies have rows where they had run before this table was made.",
     "—: no benchmark file, because the stage ran before it had one or elsewhere.",
     "The paper's figures are as printed: its shapes, sizes and machines.",
 ]
 
 
 class Job(NamedTuple):
-    """What a metrics file tells of the jobs behind it; None where a stage has no such thing."""
+    """Facts in a metrics file about the jobs behind it; None where a stage has no such thing."""
 
     category: str
     grid: str | None = None
     sampling: str | None = None
     model: str | None = None
+    method: str | None = None
     mode: str | None = None
     seed: int | None = None
     simplified: bool = False
@@ -105,7 +106,7 @@ class Cost(NamedTuple):
     measured: int
 
 
-def write_runtime(metrics: Sequence[Path], results: Path, paper: Path, shards: int, out: Path) -> None:
+def tabulate_runtime(metrics: Sequence[Path], results: Path, paper: Path, shards: int, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:
@@ -156,7 +157,7 @@ def build_runtime(
 
 
 def _job(report: Mapping[str, Any]) -> Job:
-    if report["model"] == "real":
+    if is_real(report):
         return Job(report["category"])
     section = next(iter(report["smoothings"].values()))
     return Job(
@@ -164,6 +165,7 @@ def _job(report: Mapping[str, Any]) -> Job:
         grid=report.get("grid") or None,
         sampling=report.get("sampling"),
         model=report["model"],
+        method=report.get("method"),
         mode=report.get("mode"),
         seed=report.get("seed"),
         simplified=bool(report.get("simplified", False)),
@@ -173,7 +175,7 @@ def _job(report: Mapping[str, Any]) -> Job:
 
 
 def _count_shapes(results: Path, category: str) -> dict[str, int]:
-    """Stage to the number of a category's shapes that it handles; stages that cannot be told are missing."""
+    """Stage to the number of a category's shapes that it handles; stages without one are missing."""
     counts: dict[str, int] = {}
     catalogue, clouds = results / "data" / category / "catalogue.csv", results / "clouds" / f"{category}.npz"
     if catalogue.is_file():
@@ -213,6 +215,7 @@ def _row(
     return {
         "stage": stage,
         **{name: getattr(first, name) for name in _KEYS if f"{{{name}}}" in place},
+        "method": first.method,
         "jobs": sum(cost.jobs for cost in costs),
         "jobs_measured": sum(cost.measured for cost in costs),
         "shapes": handled,
@@ -226,7 +229,7 @@ def _row(
 
 
 def _handled(place: str, members: Sequence[Job], shapes: Mapping[str, Mapping[str, int]]) -> int | None:
-    """Shapes that one seed of a stage goes through, where that can be told."""
+    """Shapes that one seed of a stage goes through, where that is known."""
     if "{category}" not in place:
         return None
     if "{mode}" not in place:
@@ -270,8 +273,8 @@ def _total(values: Sequence[float], expected: int) -> float | None:
 
 
 def _printed(row: Mapping[str, Any], paper: pd.DataFrame) -> str | None:
-    if row["stage"] == "train_model" and row["model"].startswith("tetgan"):
-        return stated(paper, row["category"], "training", "time")
+    if row["stage"] == "train_model" and row["method"] == "tetgan":
+        return quoted_figure(paper, row["category"], "training", "time")
     return None
 
 
@@ -290,7 +293,7 @@ def _preprocessing(rows: Sequence[Mapping[str, Any]], paper: pd.DataFrame) -> li
                 "shapes": both[0]["shapes"],
                 "seconds_a_shape": sum(seconds) if len(seconds) == len(both) else None,
                 "max_rss_mib": max(memory, default=None),
-                "paper": stated(paper, "any", "preprocessing", "time"),
+                "paper": quoted_figure(paper, "any", "preprocessing", "time"),
             }
         )
     return made

@@ -1,1 +1,1 @@
-"""Losses, schedules, and the loops that train every model."""
+"""Training of every model: one loop, its data, checkpoints, log and learners."""

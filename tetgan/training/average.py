@@ -1,4 +1,4 @@
-"""A running mean of weights, smoother than the last step's."""
+"""Exponential moving average of weights."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -1,4 +1,4 @@
-"""A training run on disk: whole or absent, and never resumed by mistake."""
+"""Checkpoints of a run: written whole, and resumed only by the run they belong to."""
 
 import hashlib
 import json

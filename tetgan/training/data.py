@@ -127,7 +127,7 @@ class PackedFields(NamedTuple):
         return PackedFields(*(part.pin_memory() for part in self))
 
     def unpacked(self, device: torch.device) -> Float[Tensor, "B T 4"]:
-        """What the networks read, on their device; a GPU fetches it from pinned memory in its own time."""
+        """Input of the networks, on their device; a GPU copies it asynchronously from pinned memory."""
         occupancy, displacement = (part.to(device, non_blocking=True) for part in self)
         return torch.cat([occupancy[..., None].float(), displacement.float()], dim=-1)
 

@@ -112,7 +112,7 @@ class FieldLearner(Learner):
         seed: int,
         of: FieldGenerator | None = None,
     ) -> None:
-        """`of` is the trained model that this one stands on, if any; its weights do not change."""
+        """`of` is the trained model that this one is built on, if any; its weights do not change."""
         self.losses = (*self.terms, "validation_iou")
         self.epochs, self.batch_size = training.epochs, training.batch_size
         self.device = pick_device(training.device)

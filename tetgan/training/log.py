@@ -1,4 +1,4 @@
-"""The course of a run: one row an epoch in log.csv, the same numbers for TensorBoard."""
+"""Training log: one row per epoch in log.csv, and the same numbers for TensorBoard."""
 
 import csv
 import math
@@ -57,7 +57,7 @@ class RunLog:
             table.writerows({name: _short(value) for name, value in row.items()} for row in self.rows)
 
     def state(self) -> dict[str, Any]:
-        """What a checkpoint keeps."""
+        """State that a checkpoint keeps."""
         return {
             "rows": self.rows,
             "sums": {name: [float(total), count] for name, (total, count) in self.sums.items()},

@@ -36,22 +36,22 @@ class Share:
 
 
 def launched_together() -> int:
-    """How many processes `torchrun` started of this command; 1 without it."""
+    """Number of processes that `torchrun` started of this command; 1 without it."""
     return int(os.environ.get("WORLD_SIZE", "1"))
 
 
 def process_count() -> int:
-    """How many train together."""
+    """Number of processes that train together."""
     return distributed.get_world_size() if distributed.is_initialized() else 1
 
 
 def process_place() -> int:
-    """Which of the processes this is, from 0. The first alone writes: checkpoints, log, pictures, model."""
+    """Number of this process, from 0. The first alone writes: checkpoints, log, pictures, model."""
     return distributed.get_rank() if distributed.is_initialized() else 0
 
 
 def shares(rows: int, parts: int) -> list[Share]:
-    """What this process takes of a batch, in at most so many `parts`, as equal as can be.
+    """Shares of a batch that this process takes, in at most `parts` parts, as equal as can be.
 
     With more processes than rows some would have none; they take the first, with no weight, as every process
     must take part in a step.
@@ -137,7 +137,7 @@ def as_in_first(module: nn.Module) -> None:
 
 
 def relaunch(processes: int) -> None:
-    """Replace this command by so many of it, started by `torchrun`; nothing to do for one, or inside one."""
+    """Replace this command by several of it, started by `torchrun`; nothing to do for one, or inside one."""
     if processes <= 1 or launched_together() > 1:
         return
     launcher = [

@@ -34,7 +34,7 @@ def train_model(
         training: of the class that goes with the model's kind.
         out_folder: receives `options.json` and `weights.safetensors`; where there are steps to take also
             `log.csv`, `events/` for TensorBoard, and `checkpoint.pt`, from which a killed run goes on.
-        of: folder of the trained model that this one stands on, as a DefTet does on a TetGAN.
+        of: folder of the trained model that this one is built on, as a DefTet is on a TetGAN.
 
     Raises:
         UserError: the index is no such data, or has no training shapes; `of` is missing, not needed, or of
@@ -100,9 +100,11 @@ def fit_model(index: Path, options: MethodOptions, training: Options, seed: int,
 def _check_of(kind: Method, of: Path | None) -> None:
     if kind.of and of is None:
         others = " or ".join(kind.of)
-        raise UserError(f"--of: '{kind.name}' needs the folder of a trained model ({others}) to stand on")
+        raise UserError(
+            f"--of: '{kind.name}' needs the folder of a trained model ({others}) that it is built on"
+        )
     if of is not None and not kind.of:
-        raise UserError(f"--of: a model of kind '{kind.name}' stands on no other")
+        raise UserError(f"--of: a model of kind '{kind.name}' is built on no other")
 
 
 def _open(index: Path, kind: Method) -> Any:
@@ -112,7 +114,7 @@ def _open(index: Path, kind: Method) -> Any:
 
 
 class _Under(NamedTuple):
-    """The trained model that another stands on; `record` is what that one remembers of it."""
+    """The trained model that another is built on; `record` is what that one remembers of it."""
 
     generator: FieldGenerator
     record: dict[str, Any]
@@ -124,6 +126,6 @@ def _load_under(kind: Method, folder: Path, hierarchy: GridHierarchy) -> _Under:
     found = record["model"]["kind"]
     if found not in kind.of:
         others = " or ".join(kind.of)
-        raise UserError(f"{folder}: a model of kind '{found}'; '{kind.name}' stands on {others}")
+        raise UserError(f"{folder}: a model of kind '{found}'; '{kind.name}' is built on {others}")
     digest = hashlib.sha256((folder / WEIGHTS).read_bytes()).hexdigest()
     return _Under(load_generator(folder, hierarchy).requires_grad_(False), record, digest)

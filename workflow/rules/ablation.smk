@@ -11,7 +11,7 @@ if config["ablation"]:
     )
 
 
-rule gather_ablation:
+rule tabulate_ablation:
     input:
         models=expand(
             "<results>/metrics/{category}/{model}/{seed}/{mode}.json",
@@ -31,7 +31,7 @@ rule gather_ablation:
         ),
         readable="<results>/tables/ablation.md",
     log:
-        "<logs>/gather_ablation.log",
+        "<logs>/tabulate_ablation.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
@@ -39,13 +39,13 @@ rule gather_ablation:
     params:
         category=config["categories"][0],
         changes=ablation_changes,
-        code=stage_digest("evaluation"),
+        code=code_digest("tetgan.tables.ablation:tabulate_ablation"),
     shell:
-        "tetgan ablation {input.models:q} {input.real:q} {output.table:q} --category {params.category}"
+        "tetgan tabulate-ablation {input.models:q} {input.real:q} {output.table:q} --category {params.category}"
         " --paper {input.paper:q} --changes {params.changes:q} >{log:q} 2>&1"
 
 
-rule draw_ablations:
+use rule draw as draw_ablations with:
     input:
         samples=expand(
             "<results>/samples/{{category}}/{model}/{seed}/{mode}",
@@ -55,21 +55,10 @@ rule draw_ablations:
         ),
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
     output:
-        picture=report(
-            "<results>/figures/{category}/ablations.png",
-            caption="../report/ablations.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "ablations"},
-        ),
-        data="<results>/figures/{category}/ablations.csv",
+        **figure("ablations"),
     log:
         "<logs>/draw_ablations/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
-    resources:
-        mem_mb=1500,
     params:
+        figure="ablations",
         names=config["ablation"],
-        code=stage_digest("rendering"),
-    script:
-        "../scripts/draw_ablations.py"
+        code=code_digest("draw_ablations.py"),

@@ -1,18 +1,16 @@
 """Validation of the config, and the helpers that rules share."""
 
-import hashlib
 import json
 import os
 import shlex
 import sys
 from functools import cache
-from importlib.util import find_spec
 from pathlib import Path
 
-from tetgan.code import code_digest
+from tetgan import code
 from tetgan.config import Config, load_config
 from tetgan.errors import UserError
-from tetgan.models.kinds import kind_of
+from tetgan.models.registry import method_of
 
 try:
     config.update(load_config(config))
@@ -23,21 +21,13 @@ SETTINGS = Config.parse(config)
 # The commands and scripts of all jobs inherit it.
 os.environ.update(TETGAN_PLUGINS=" ".join(SETTINGS.plugins))
 RESULTS = f"results/{config['run']}" if config["run"] else "results"
-CAPTIONS = (
-    Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent / "report"
-)
-SOURCES = {".py", ".html", ".css", ".js"}
+WORKFLOW = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parent
 SHOWN_MODELS = [
     name for name in SETTINGS.table_models if SETTINGS.models[name].kind == "tetgan"
 ]
-KINDS = {name: kind_of(model) for name, model in SETTINGS.models.items()}
-TRAINED = [name for name, kind in KINDS.items() if kind.trained]
-SIMPLIFIED = [name for name in KINDS if name not in TRAINED]
-
-
-SAMPLING_MODULES = [
-    f"fields/{name}" for name in ("arrays", "dataset", "points", "samplings", "voxels")
-]
+METHODS = {name: method_of(model) for name, model in SETTINGS.models.items()}
+TRAINED = [name for name, method in METHODS.items() if method.trained]
+SIMPLIFIED = [name for name in METHODS if name not in TRAINED]
 
 
 def each_mode(pattern, models, modes=None, seeds=config["seeds"]):
@@ -60,52 +50,61 @@ def one_of(names):
 
 
 FIGURE_MODELS = SETTINGS.figures.models or SHOWN_MODELS
-LOGGED_MODELS = [name for name in SETTINGS.table_models if KINDS[name].logged]
+LOGGED_MODELS = [name for name in SETTINGS.table_models if METHODS[name].logged]
 
 # Those of the ablation that are trained: some take over the weights of another and mesh differently.
 ABLATED_MODELS = [
     name for name in config["ablation"] if SETTINGS.trained_as(name) == name
 ]
 
-# What a simulation is made of.
-SIMULATION = [
-    *("meshing/reading", "meshing/orientation", "meshing/connectivity"),
-    *("studies/elasticity", "studies/simulation", "studies/simulation_study"),
-]
-
 # Every table and figure of the target `paper`: each file of rules adds its own.
 PAPER_TARGETS = []
 
 
-def stage_digest(*rooms):
-    """Digest of the modules behind a stage: editing one of them makes the stage run again.
+cached_digest = cache(code.code_digest)
 
-    Snakemake cannot see inside a command, so each stage carries this as a parameter.
+
+def code_digest(*entry_points, of_model=False):
+    """Parameter of a job: digest of the code behind it, as Snakemake cannot see inside a command.
+
+    So an edited module makes the jobs run again that import it, and no others.
+
+    Args:
+        entry_points: `module:function`, or the name of a script.
+        of_model: add the code of the method of the job's model, and of the model under it.
     """
-    package = Path(find_spec("tetgan").origin).parent
-    digest = hashlib.sha256()
-    for room in rooms:
-        found = package / room
-        sources = [
-            path for path in sorted(found.rglob("*.*")) if path.suffix in SOURCES
-        ] or [found.with_suffix(".py")]
-        for source in sources:
-            name = source.relative_to(package).as_posix()
-            digest.update(name.encode() + source.read_bytes())
-    return digest.hexdigest()[:12]
+    stages = [
+        WORKFLOW / "scripts" / name if name.endswith(".py") else name
+        for name in entry_points
+    ]
+
+    def digest(wildcards):
+        methods = methods_behind(wildcards.model) if of_model else []
+        return cached_digest(
+            *stages,
+            *sorted({name for method in methods for name in method.entry_points}),
+        )
+
+    return digest
 
 
-def model_code(stage, *rooms):
-    """Parameter of a job: digest of the module of a stage and of a model's kind, and of what they import in some rooms.
+def methods_behind(model):
+    """The method of a model, and that of the model under it."""
+    under = SETTINGS.models[model].of if METHODS[model].of else None
+    return [METHODS[name] for name in (model, under) if name]
 
-    So editing one kind of model leaves what was made of the others alone.
-    """
 
-    @cache
-    def digest(model):
-        return code_digest([stage, *KINDS[model].modules], rooms)
-
-    return lambda wildcards: digest(wildcards.model)
+def figure(name, title=None):
+    """Outputs of a figure: the picture, which the report shows, and the data behind it."""
+    return {
+        "picture": report(
+            f"<results>/figures/{{category}}/{name}.png",
+            caption=f"../report/{name}.rst",
+            category="Figures",
+            labels={"category": "{category}", "figure": title or name},
+        ),
+        "data": f"<results>/figures/{{category}}/{name}.csv",
+    }
 
 
 def section(*keys):
@@ -135,7 +134,7 @@ def meshing_options(wildcards):
 
 
 def identity(wildcards):
-    """What a row of the table says of its model, beside the metrics."""
+    """What a row of the table says of its model, beside the metrics; the samples name the method."""
     model = SETTINGS.models[wildcards.model]
     return json.dumps(
         {
@@ -147,6 +146,7 @@ def identity(wildcards):
             "seed": int(wildcards.seed),
             "simplified": wildcards.model in SIMPLIFIED,
             "reduced": SETTINGS.reductions(wildcards.model),
+            "without": SETTINGS.without(wildcards.model),
         }
     )
 
@@ -166,7 +166,7 @@ def study_identity(wildcards):
 def model_fields(wildcards):
     """Index and shards of the fields, or of the points or voxels, that a model learns from."""
     model = SETTINGS.models[wildcards.model]
-    if KINDS[wildcards.model].sampling is None:
+    if METHODS[wildcards.model].sampling is None:
         folder = f"<results>/fields/{wildcards.category}/{model.grid}"
     else:
         folder = f"<results>/samplings/{wildcards.category}/{model.sampling}"
@@ -190,9 +190,9 @@ def trained_model(wildcards, model=None):
 
 
 def training_inputs(wildcards):
-    """Fields, and for a model that stands on another, as DefTet does, the weights of that one."""
+    """Fields, and for a model built on another, as DefTet is, the weights of that one."""
     inputs = model_fields(wildcards)
-    if KINDS[wildcards.model].of:
+    if METHODS[wildcards.model].of:
         of = SETTINGS.models[wildcards.model].of
         inputs["of"] = trained_model(wildcards, of)["weights"]
     return inputs

@@ -1,4 +1,4 @@
-"""Metrics of every model and of the real shapes, and the table that stands beside the paper's.
+"""Metrics of every model and of the real shapes, and the table beside the paper's.
 
 Inputs: folders of samples, repaired meshes, hold-out clouds, the extractor. Outputs: one JSON of metrics a
 model, seed and mode; one table a category, as CSV and as Markdown.
@@ -37,9 +37,9 @@ rule evaluate_model:
         identity=identity,
         extractor=subpath(input.extractor, parent=True),
         options=section("evaluation"),
-        code=stage_digest("models/pointnet2", "evaluation"),
+        code=code_digest("tetgan.evaluation.evaluate:evaluate_model"),
     shell:
-        "tetgan metrics {input.samples:q} {input.meshes:q} {output.metrics:q} --clouds {input.clouds:q}"
+        "tetgan evaluate-model {input.samples:q} {input.meshes:q} {output.metrics:q} --clouds {input.clouds:q}"
         " --catalogue {input.catalogue:q} --extractor {params.extractor:q} --identity {params.identity:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"
 
@@ -64,14 +64,14 @@ rule evaluate_real:
     params:
         extractor=subpath(input.extractor, parent=True),
         options=section("evaluation"),
-        code=stage_digest("models/pointnet2", "evaluation"),
+        code=code_digest("tetgan.evaluation.evaluate:evaluate_real"),
     shell:
-        "tetgan floor {input.meshes:q} {output.metrics:q} --category {wildcards.category}"
+        "tetgan evaluate-real {input.meshes:q} {output.metrics:q} --category {wildcards.category}"
         " --catalogue {input.catalogue:q} --clouds {input.clouds:q} --extractor {params.extractor:q}"
         " --options {params.options:q} --threads {threads} >{log:q} 2>&1"
 
 
-rule make_table:
+rule tabulate_category:
     input:
         models=MODEL_METRICS,
         real=REAL_METRICS,
@@ -85,13 +85,13 @@ rule make_table:
         ),
         readable="<results>/tables/{category}.md",
     log:
-        "<logs>/make_table/{category}.log",
+        "<logs>/tabulate_category/{category}.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
         mem_mb=500,
     params:
-        code=stage_digest("evaluation"),
+        code=code_digest("tetgan.tables.category:tabulate_category"),
     shell:
-        "tetgan table {input.models:q} {input.real:q} {output.table:q} --category {wildcards.category}"
+        "tetgan tabulate-category {input.models:q} {input.real:q} {output.table:q} --category {wildcards.category}"
         " --paper {input.paper:q} >{log:q} 2>&1"

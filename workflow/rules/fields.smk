@@ -21,9 +21,9 @@ rule extract_fields:
         mem_mb=fields_mem_mb,
     params:
         grid=section("grids", "{grid}"),
-        code=stage_digest("grids", "fields"),
+        code=code_digest("tetgan.fields.extraction:extract_shard"),
     shell:
-        "tetgan fields {input.meshes:q} {output.fields:q} --grid {params.grid:q} --threads {threads}"
+        "tetgan extract-fields {input.meshes:q} {output.fields:q} --grid {params.grid:q} --threads {threads}"
         " >{log:q} 2>&1"
 
 
@@ -43,7 +43,7 @@ rule index_fields:
         mem_mb=fields_mem_mb,
     params:
         grid=section("grids", "{grid}"),
-        code=stage_digest("grids", "fields"),
+        code=code_digest("tetgan.fields.store:index_fields"),
     shell:
         "tetgan index {input.fields:q} {output.index:q} --catalogue {input.catalogue:q}"
         " --grid {params.grid:q} >{log:q} 2>&1"

@@ -48,8 +48,8 @@ rule interpolate_shapes:
         model=subpath(input.weights, parent=True),
         latent=section("latent"),
         meshing=meshing_options,
-        code=model_code(
-            "tetgan.studies.latent.interpolation", "meshing", "nn", "models", "studies"
+        code=code_digest(
+            "tetgan.studies.latent.interpolation:interpolate_shapes", of_model=True
         ),
     shell:
         "tetgan interpolate {params.model:q} {input.index:q} {output.meshes:q}"
@@ -75,11 +75,9 @@ rule add_parts:
         model=subpath(input.weights, parent=True),
         latent=section("latent"),
         meshing=meshing_options,
-        code=model_code(
-            "tetgan.studies.latent.arithmetic", "meshing", "nn", "models", "studies"
-        ),
+        code=code_digest("tetgan.studies.latent.arithmetic:add_parts", of_model=True),
     shell:
-        "tetgan arithmetic {params.model:q} {input.index:q} {output.meshes:q}"
+        "tetgan add-parts {params.model:q} {input.index:q} {output.meshes:q}"
         " --options {params.latent:q} --meshing {params.meshing:q} >{log:q} 2>&1"
 
 
@@ -101,9 +99,9 @@ rule find_nearest:
         mem_mb=3000,
     params:
         options=section("nearest"),
-        code=stage_digest("evaluation/novelty", "studies/nearest"),
+        code=code_digest("tetgan.studies.latent.nearest:find_nearest_shapes"),
     shell:
-        "tetgan nearest {input.meshes:q} {output.table:q} --catalogue {input.catalogue:q}"
+        "tetgan find-nearest {input.meshes:q} {output.table:q} --catalogue {input.catalogue:q}"
         " --samples {input.samples:q} --options {params.options:q} --threads {threads} >{log:q} 2>&1"
 
 
@@ -124,89 +122,73 @@ rule find_nearest_real:
         mem_mb=3000,
     params:
         options=section("nearest"),
-        code=stage_digest("evaluation/novelty", "studies/nearest"),
+        code=code_digest("tetgan.studies.latent.nearest:find_nearest_shapes"),
     shell:
-        "tetgan nearest {input.meshes:q} {output.table:q} --catalogue {input.catalogue:q}"
+        "tetgan find-nearest {input.meshes:q} {output.table:q} --catalogue {input.catalogue:q}"
         " --options {params.options:q} --threads {threads} >{log:q} 2>&1"
 
 
-rule draw_samples:
-    input:
-        samples=SHOWN_SAMPLES,
-        meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
+rule draw:
+    """What all rules of figures share. It draws nothing itself: no figure has the name that it asks for."""
     output:
-        picture=report(
-            "<results>/figures/{category}/samples.png",
-            caption="../report/samples.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "samples"},
-        ),
-        data="<results>/figures/{category}/samples.csv",
+        picture="<results>/figures/{category}/{figure}.png",
+        data="<results>/figures/{category}/{figure}.csv",
     log:
-        "<logs>/draw_samples/{category}.log",
+        "<logs>/draw/{category}/{figure}.log",
+    wildcard_constraints:
+        figure=one_of([]),
     conda:
         "../envs/tetgan.yaml"
     resources:
         mem_mb=1500,
     params:
         names=FIGURE_MODELS,
-        columns=config["figures"]["columns"],
-        code=stage_digest("rendering"),
     script:
-        "../scripts/draw_samples.py"
+        "../scripts/draw.py"
 
 
-rule draw_comparison:
+use rule draw as draw_samples with:
+    input:
+        samples=SHOWN_SAMPLES,
+        meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
+    output:
+        **figure("samples"),
+    log:
+        "<logs>/draw_samples/{category}.log",
+    params:
+        figure="samples",
+        columns=config["figures"]["columns"],
+        code=code_digest("draw_samples.py"),
+
+
+use rule draw as draw_comparison with:
     input:
         samples=TABLE_SAMPLES,
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
     output:
-        picture=report(
-            "<results>/figures/{category}/comparison.png",
-            caption="../report/comparison.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "comparison"},
-        ),
-        data="<results>/figures/{category}/comparison.csv",
+        **figure("comparison"),
     log:
         "<logs>/draw_comparison/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
-    resources:
-        mem_mb=1500,
     params:
+        figure="comparison",
         names=SETTINGS.table_models,
         columns=config["figures"]["columns"],
-        code=stage_digest("rendering"),
-    script:
-        "../scripts/draw_comparison.py"
+        code=code_digest("draw_comparison.py"),
 
 
-rule draw_solids:
+use rule draw as draw_solids with:
     input:
         samples=SHOWN_SAMPLES,
     output:
-        picture=report(
-            "<results>/figures/{category}/solids.png",
-            caption="../report/solids.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "solids"},
-        ),
-        data="<results>/figures/{category}/solids.csv",
+        **figure("solids"),
     log:
         "<logs>/draw_solids/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
-    resources:
-        mem_mb=1500,
     params:
-        names=FIGURE_MODELS,
-        code=stage_digest("rendering"),
-    script:
-        "../scripts/draw_solids.py"
+        figure="solids",
+        code=code_digest("draw_solids.py"),
 
 
-rule draw_interpolation:
+use rule draw as draw_interpolation with:
     input:
         folders=expand(
             "<results>/latent/{{category}}/{model}/{seed}/interpolation",
@@ -215,27 +197,15 @@ rule draw_interpolation:
         ),
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
     output:
-        picture=report(
-            "<results>/figures/{category}/interpolation.png",
-            caption="../report/interpolation.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "interpolation"},
-        ),
-        data="<results>/figures/{category}/interpolation.csv",
+        **figure("interpolation"),
     log:
         "<logs>/draw_interpolation/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
-    resources:
-        mem_mb=1500,
     params:
-        names=FIGURE_MODELS,
-        code=stage_digest("rendering"),
-    script:
-        "../scripts/draw_interpolation.py"
+        figure="interpolation",
+        code=code_digest("draw_interpolation.py"),
 
 
-rule draw_arithmetic:
+use rule draw as draw_arithmetic with:
     input:
         folders=expand(
             "<results>/latent/{{category}}/{model}/{seed}/arithmetic",
@@ -243,27 +213,15 @@ rule draw_arithmetic:
             seed=config["seeds"][:1],
         ),
     output:
-        picture=report(
-            "<results>/figures/{category}/arithmetic.png",
-            caption="../report/arithmetic.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "arithmetic"},
-        ),
-        data="<results>/figures/{category}/arithmetic.csv",
+        **figure("arithmetic"),
     log:
         "<logs>/draw_arithmetic/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
-    resources:
-        mem_mb=1500,
     params:
-        names=FIGURE_MODELS,
-        code=stage_digest("rendering"),
-    script:
-        "../scripts/draw_arithmetic.py"
+        figure="arithmetic",
+        code=code_digest("draw_arithmetic.py"),
 
 
-rule draw_nearest:
+use rule draw as draw_nearest with:
     input:
         samples=SHOWN_SAMPLES,
         tables=each_mode(
@@ -275,28 +233,16 @@ rule draw_nearest:
         real="<results>/nearest/{category}/real.csv",
         meshes=gather.shards("<results>/data/{{category}}/{scatteritem}.zip"),
     output:
-        picture=report(
-            "<results>/figures/{category}/nearest.png",
-            caption="../report/nearest.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "nearest training shape"},
-        ),
-        data="<results>/figures/{category}/nearest.csv",
+        **figure("nearest", "nearest training shape"),
     log:
         "<logs>/draw_nearest/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
-    resources:
-        mem_mb=1500,
     params:
-        names=FIGURE_MODELS,
+        figure="nearest",
         columns=config["figures"]["columns"],
-        code=stage_digest("rendering"),
-    script:
-        "../scripts/draw_nearest.py"
+        code=code_digest("draw_nearest.py"),
 
 
-rule draw_training:
+use rule draw as draw_training with:
     input:
         weights=expand(
             "<results>/models/{{category}}/{model}/{seed}/weights.safetensors",
@@ -304,25 +250,16 @@ rule draw_training:
             seed=config["seeds"],
         ),
     output:
-        picture=report(
-            "<results>/figures/{category}/training.png",
-            caption="../report/training.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "training"},
-        ),
-        data="<results>/figures/{category}/training.csv",
+        **figure("training"),
     log:
         "<logs>/draw_training/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
     resources:
         mem_mb=500,
     params:
+        figure="training",
         names=[name for name in LOGGED_MODELS for _ in config["seeds"]],
         seeds=[seed for _ in LOGGED_MODELS for seed in config["seeds"]],
-        code=stage_digest("rendering"),
-    script:
-        "../scripts/draw_training.py"
+        code=code_digest("draw_training.py"),
 
 
 if config["ablation"]:
@@ -339,22 +276,12 @@ if config["ablation"]:
                 seed=config["seeds"],
             ),
         output:
-            picture=report(
-                "<results>/figures/{category}/ablation-training.png",
-                caption="../report/ablation-training.rst",
-                category="Figures",
-                labels={
-                    "category": "{category}",
-                    "figure": "training of the ablation",
-                },
-            ),
-            data="<results>/figures/{category}/ablation-training.csv",
+            **figure("ablation-training", "training of the ablation"),
         log:
             "<logs>/draw_ablation_training/{category}.log",
         params:
             names=[name for name in ABLATED_MODELS for _ in config["seeds"]],
             seeds=[seed for _ in ABLATED_MODELS for seed in config["seeds"]],
-            code=stage_digest("rendering"),
 
 
 rule figures:

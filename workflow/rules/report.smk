@@ -4,6 +4,7 @@ Inputs: what the default target makes, every other table and figure that is ther
 samples of the models whose solids the page shows. Output: one HTML file. What `paper` adds is on the next page.
 """
 
+CAPTIONS = WORKFLOW / "report"
 # With these as inputs a page is out of date when one of them is, or when there are more.
 FOUND = [
     target
@@ -37,7 +38,7 @@ rule report_page:
         captions=CAPTIONS,
         config=json.dumps(config),
         models=[f"--model {name}" for name in SHOWN_MODELS],
-        code=stage_digest("report"),
+        code=code_digest("tetgan.report.page:report_page"),
     shell:
         "tetgan report {params.results:q} {output.page:q} --config {params.config:q}"
         " --captions {params.captions:q} {params.models} >{log:q} 2>&1"

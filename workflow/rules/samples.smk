@@ -25,9 +25,9 @@ rule sample_model:
         mem_mb=3000,
     params:
         model=subpath(input.weights, parent=True),
-        shapes=config["sampling"]["count"],
+        shapes=config["samples"]["count"],
         meshing=meshing_options,
-        code=model_code("tetgan.models.samples", "meshing", "nn", "models"),
+        code=code_digest("tetgan.models.samples:sample_model", of_model=True),
     shell:
         "tetgan sample {params.model:q} {output.samples:q} --index {input.index:q} --count {params.shapes}"
         " --mode {wildcards.mode} --options {params.meshing:q} --seed {wildcards.seed} --threads {threads}"
@@ -52,8 +52,6 @@ rule simplify_samples:
         mem_mb=1500,
     params:
         faces=lambda wildcards: SETTINGS.models[wildcards.model].faces,
-        code=stage_digest(
-            "meshing/simplify", "shapes/isolation", "shapes/repair_worker"
-        ),
+        code=code_digest("tetgan.meshing.simplify:simplify_samples"),
     shell:
         "tetgan simplify {input.samples:q} {output.samples:q} --faces {params.faces} >{log:q} 2>&1"

@@ -21,9 +21,9 @@ rule extract_samplings:
         mem_mb=1500,
     params:
         sampling=section("samplings", "{sampling}"),
-        code=stage_digest(*SAMPLING_MODULES),
+        code=code_digest("tetgan.fields.samplings:extract_samplings"),
     shell:
-        "tetgan samplings {input.meshes:q} {output.sampling:q} --sampling {params.sampling:q}"
+        "tetgan extract-samplings {input.meshes:q} {output.sampling:q} --sampling {params.sampling:q}"
         " --threads {threads} >{log:q} 2>&1"
 
 
@@ -43,7 +43,7 @@ rule index_samplings:
         mem_mb=500,
     params:
         sampling=section("samplings", "{sampling}"),
-        code=stage_digest(*SAMPLING_MODULES),
+        code=code_digest("tetgan.fields.samplings:index_samplings"),
     shell:
         "tetgan index {input.shards:q} {output.index:q} --catalogue {input.catalogue:q}"
         " --sampling {params.sampling:q} >{log:q} 2>&1"

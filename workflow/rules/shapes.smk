@@ -22,7 +22,7 @@ rule repair_shapes:
         source=section("sources", "{category}"),
         repair=section("repair"),
         margin=config["normalise"]["margin"],
-        code=stage_digest("shapes"),
+        code=code_digest("tetgan.shapes.shards:repair_shard"),
     shell:
         "tetgan repair {output.meshes:q} --category {wildcards.category} --shard {wildcards.scatteritem}"
         " --source {params.source:q} --options {params.repair:q} --margin {params.margin} >{log:q} 2>&1"
@@ -41,9 +41,9 @@ rule gather_catalogue:
         mem_mb=500,
     params:
         split=section("split"),
-        code=stage_digest("shapes"),
+        code=code_digest("tetgan.shapes.catalogue:gather_catalogue"),
     shell:
-        "tetgan catalogue {input.meshes:q} {output.catalogue:q} --split {params.split:q} >{log:q} 2>&1"
+        "tetgan gather-catalogue {input.meshes:q} {output.catalogue:q} --split {params.split:q} >{log:q} 2>&1"
 
 
 rule sample_clouds:
@@ -63,7 +63,7 @@ rule sample_clouds:
         split=section("split"),
         clouds=section("clouds"),
         margin=config["normalise"]["margin"],
-        code=stage_digest("shapes"),
+        code=code_digest("tetgan.shapes.cloud_sampling:sample_clouds"),
     shell:
-        "tetgan clouds {output.clouds:q} --category {wildcards.category} --source {params.source:q}"
+        "tetgan sample-clouds {output.clouds:q} --category {wildcards.category} --source {params.source:q}"
         " --split {params.split:q} --options {params.clouds:q} --margin {params.margin} >{log:q} 2>&1"

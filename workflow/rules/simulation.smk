@@ -1,6 +1,6 @@
 """Samples under load: linear elasticity on the generated tets, as they are.
 
-Inputs: folders of samples. Outputs: a row a sample under <results>/studies/simulation, a table of all models and
+Inputs: folders of samples. Outputs: one row per sample under <results>/studies/simulation, a table of all models and
 modes, and for each category a picture of one sample, with its mesh (.vtu).
 """
 
@@ -32,13 +32,13 @@ rule simulate_samples:
     params:
         options=section("studies", "simulation"),
         identity=study_identity,
-        code=stage_digest(*SIMULATION),
+        code=code_digest("tetgan.mechanics.study:simulate_samples"),
     shell:
-        "tetgan simulation-study {input.samples:q} {output.study:q} --options {params.options:q}"
+        "tetgan simulate-samples {input.samples:q} {output.study:q} --options {params.options:q}"
         " --identity {params.identity:q} >{log:q} 2>&1"
 
 
-rule make_simulation_table:
+rule tabulate_simulation:
     input:
         studies=expand(
             each_mode(
@@ -56,18 +56,18 @@ rule make_simulation_table:
         ),
         readable="<results>/tables/simulation.md",
     log:
-        "<logs>/make_simulation_table.log",
+        "<logs>/tabulate_simulation.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
         mem_mb=500,
     params:
-        code=stage_digest("studies/simulation_table", "evaluation/markdown"),
+        code=code_digest("tetgan.mechanics.table:tabulate_simulation"),
     shell:
-        "tetgan simulation-table {input.studies:q} {output.table:q} >{log:q} 2>&1"
+        "tetgan tabulate-simulation {input.studies:q} {output.table:q} >{log:q} 2>&1"
 
 
-rule draw_simulation:
+use rule draw as draw_simulation with:
     input:
         samples=each_mode(
             "<results>/samples/{{category}}/{model}/{seed}/{mode}",
@@ -76,23 +76,14 @@ rule draw_simulation:
             seeds=config["seeds"][:1],
         ),
     output:
-        picture=report(
-            "<results>/figures/{category}/simulation.png",
-            caption="../report/simulation.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "simulation"},
-        ),
+        **figure("simulation"),
         mesh="<results>/figures/{category}/simulation.vtu",
-        data="<results>/figures/{category}/simulation.csv",
     log:
         "<logs>/draw_simulation/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
     resources:
         mem_mb=2000,
     params:
-        name=SIMULATED[0] if SIMULATED else "",
+        figure="simulation",
+        names=SIMULATED[:1],
         options=section("studies", "simulation"),
-        code=stage_digest("rendering", *SIMULATION),
-    script:
-        "../scripts/draw_simulation.py"
+        code=code_digest("draw_simulation.py"),

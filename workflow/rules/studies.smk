@@ -41,9 +41,9 @@ rule measure_resolution:
         mem_mb=4000,
     params:
         options=section("studies", "resolution"),
-        code=stage_digest("grids", "fields/vertices", "meshing/build", "studies"),
+        code=code_digest("tetgan.studies.resolution.study:measure_resolution"),
     shell:
-        "tetgan resolution {output.table:q} {output.figure:q} --options {params.options:q}"
+        "tetgan measure-resolution {output.table:q} {output.figure:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"
 
 
@@ -72,22 +72,17 @@ rule measure_smoothing:
         options=section("studies", "smoothing"),
         meshing=section("meshing"),
         evaluation=section("evaluation"),
-        code=model_code(
-            "tetgan.studies.smoothing.study",
-            "meshing",
-            "nn",
-            "models",
-            "evaluation",
-            "studies",
+        code=code_digest(
+            "tetgan.studies.smoothing.study:measure_smoothing", of_model=True
         ),
     shell:
-        "tetgan smoothing {params.model:q} {input.index:q} {output.study:q} {input.meshes:q}"
+        "tetgan measure-smoothing {params.model:q} {input.index:q} {output.study:q} {input.meshes:q}"
         " --clouds {input.clouds:q} --extractor {params.extractor:q} --identity {params.identity:q}"
         " --options {params.options:q} --meshing {params.meshing:q} --evaluation {params.evaluation:q}"
         " --threads {threads} >{log:q} 2>&1"
 
 
-rule make_smoothing_table:
+rule tabulate_smoothing:
     input:
         studies=expand(
             "<results>/studies/smoothing/{category}/{model}/{seed}",
@@ -104,18 +99,18 @@ rule make_smoothing_table:
         ),
         readable="<results>/tables/smoothing.md",
     log:
-        "<logs>/make_smoothing_table.log",
+        "<logs>/tabulate_smoothing.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
         mem_mb=500,
     params:
-        code=stage_digest("studies"),
+        code=code_digest("tetgan.studies.smoothing.table:tabulate_smoothing"),
     shell:
-        "tetgan smoothing-table {input.studies:q} {output.table:q} >{log:q} 2>&1"
+        "tetgan tabulate-smoothing {input.studies:q} {output.table:q} >{log:q} 2>&1"
 
 
-rule draw_smoothing:
+use rule draw as draw_smoothing with:
     input:
         studies=expand(
             "<results>/studies/smoothing/{{category}}/{model}/{seed}",
@@ -123,21 +118,10 @@ rule draw_smoothing:
             seed=config["seeds"][:1],
         ),
     output:
-        picture=report(
-            "<results>/figures/{category}/smoothing.png",
-            caption="../report/smoothing.rst",
-            category="Figures",
-            labels={"category": "{category}", "figure": "smoothing"},
-        ),
-        data="<results>/figures/{category}/smoothing.csv",
+        **figure("smoothing"),
     log:
         "<logs>/draw_smoothing/{category}.log",
-    conda:
-        "../envs/tetgan.yaml"
-    resources:
-        mem_mb=1500,
     params:
+        figure="smoothing",
         names=config["studies"]["smoothing"]["models"],
-        code=stage_digest("rendering", "studies/smoothers", "studies/sharpness"),
-    script:
-        "../scripts/draw_smoothing.py"
+        code=code_digest("draw_smoothing.py"),

@@ -31,7 +31,7 @@ PAPER_TARGETS += expand(
 )
 
 
-rule gather_supplement:
+rule tabulate_supplement:
     input:
         metrics=ALL_METRICS,
         paper=workflow.source_path("../resources/paper_tables.csv"),
@@ -44,7 +44,7 @@ rule gather_supplement:
         ),
         readable="<results>/tables/{figure}.md",
     log:
-        "<logs>/gather_supplement/{figure}.log",
+        "<logs>/tabulate_supplement/{figure}.log",
     wildcard_constraints:
         figure="fid|variety|reconstruction",
     conda:
@@ -52,13 +52,13 @@ rule gather_supplement:
     resources:
         mem_mb=500,
     params:
-        code=stage_digest("evaluation"),
+        code=code_digest("tetgan.tables.supplement:tabulate_supplement"),
     shell:
-        "tetgan supplement {input.metrics:q} {output.table:q} --figure {wildcards.figure}"
+        "tetgan tabulate-supplement {input.metrics:q} {output.table:q} --figure {wildcards.figure}"
         " --paper {input.paper:q} >{log:q} 2>&1"
 
 
-rule gather_manifold:
+rule tabulate_manifold:
     input:
         metrics=ALL_METRICS,
         paper=workflow.source_path("../resources/paper_tables.csv"),
@@ -71,18 +71,18 @@ rule gather_manifold:
         ),
         readable="<results>/tables/manifold.md",
     log:
-        "<logs>/gather_manifold.log",
+        "<logs>/tabulate_manifold.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
         mem_mb=500,
     params:
-        code=stage_digest("evaluation"),
+        code=code_digest("tetgan.tables.manifold:tabulate_manifold"),
     shell:
-        "tetgan manifold {input.metrics:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
+        "tetgan tabulate-manifold {input.metrics:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
 
 
-rule gather_quality:
+rule tabulate_quality:
     input:
         samples=SOLID_SAMPLES,
         paper=workflow.source_path("../resources/paper_tables.csv"),
@@ -95,18 +95,18 @@ rule gather_quality:
         ),
         readable="<results>/tables/quality.md",
     log:
-        "<logs>/gather_quality.log",
+        "<logs>/tabulate_quality.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
         mem_mb=500,
     params:
-        code=stage_digest("evaluation"),
+        code=code_digest("tetgan.tables.quality:tabulate_quality"),
     shell:
-        "tetgan quality {input.samples:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
+        "tetgan tabulate-quality {input.samples:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
 
 
-rule gather_dataset:
+rule tabulate_dataset:
     input:
         catalogues=expand(
             "<results>/data/{category}/catalogue.csv", category=config["categories"]
@@ -121,19 +121,19 @@ rule gather_dataset:
         ),
         readable="<results>/tables/dataset.md",
     log:
-        "<logs>/gather_dataset.log",
+        "<logs>/tabulate_dataset.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
         mem_mb=500,
     params:
-        code=stage_digest("evaluation"),
+        code=code_digest("tetgan.tables.dataset:tabulate_dataset"),
     shell:
-        "tetgan dataset {input.catalogues:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
+        "tetgan tabulate-dataset {input.catalogues:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
 
 
 # Benchmark files are read as they are found and are no inputs: one that is missing must not run its stage again.
-rule gather_runtime:
+rule tabulate_runtime:
     input:
         metrics=ALL_METRICS,
         catalogues=expand(
@@ -150,7 +150,7 @@ rule gather_runtime:
         ),
         readable="<results>/tables/runtime.md",
     log:
-        "<logs>/gather_runtime.log",
+        "<logs>/tabulate_runtime.log",
     conda:
         "../envs/tetgan.yaml"
     resources:
@@ -158,7 +158,7 @@ rule gather_runtime:
     params:
         results=subpath(output.table, ancestor=2),
         shards=config["shards"],
-        code=stage_digest("evaluation"),
+        code=code_digest("tetgan.tables.runtime:tabulate_runtime"),
     shell:
-        "tetgan runtime {input.metrics:q} {output.table:q} --results {params.results:q}"
+        "tetgan tabulate-runtime {input.metrics:q} {output.table:q} --results {params.results:q}"
         " --shards {params.shards} --paper {input.paper:q} >{log:q} 2>&1"

@@ -1,7 +1,7 @@
 """Training: one generator a model and seed, and the one classifier whose features FID and KID compare.
 
 Inputs: fields, points or voxels of a category; point clouds of every category. Outputs: weights, the options used, a log.
-A killed training resumes from its checkpoint, which stands beside the outputs and is none of them.
+A killed training resumes from its checkpoint, which is beside the outputs and is none of them.
 """
 
 
@@ -29,7 +29,7 @@ rule train_model:
         model=model_options,
         training=training_options,
         of=standing_on,
-        code=model_code("tetgan.training.run", "nn", "models", "training"),
+        code=code_digest("tetgan.training.run:train_model", of_model=True),
     shell:
         "tetgan train {input.index:q} {params.folder:q} --model {params.model:q}"
         " --training {params.training:q} --seed {wildcards.seed} --threads {threads}"
@@ -55,9 +55,7 @@ rule train_extractor:
     params:
         folder=subpath(output.weights, parent=True),
         options=section("extractor"),
-        code=code_digest(
-            ["tetgan.evaluation.extractor"], ["models", "training", "evaluation"]
-        ),
+        code=code_digest("tetgan.evaluation.extractor:train_extractor"),
     shell:
-        "tetgan extractor {input.clouds:q} {params.folder:q} --options {params.options:q}"
+        "tetgan train-extractor {input.clouds:q} {params.folder:q} --options {params.options:q}"
         " --threads {threads} >{log:q} 2>&1"

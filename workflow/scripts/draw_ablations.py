@@ -1,12 +1,12 @@
-"""A row a model: validation shapes as it reconstructs them, then its samples, as in the paper's figure."""
+"""Figure of the ablation: one row per model, reconstructed validation shapes, then samples."""
 
-import sys
 from pathlib import Path
 
 from tetgan.rendering.figure import NOTHING, Row, draw_rows
-from tetgan.rendering.meshes import finished_samples, list_shapes, read_originals, read_shape, sample_ids
+from tetgan.rendering.meshes import list_shapes, read_originals, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples, sample_ids
 
 EACH = 4  # shapes of either kind
 
@@ -28,11 +28,9 @@ def draw(samples: list[Path], names: list[str], archives: list[str], out: Path) 
     list_shapes(shown).to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.samples],
-        list(snakemake.params.names),
-        list(snakemake.input.meshes),
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.samples],
+    list(snakemake.params.names),
+    list(snakemake.input.meshes),
+    Path(snakemake.output.picture),
+)

@@ -1,6 +1,5 @@
-"""A - B + C = D: what A has and B has not is added to C, changed parts in colour."""
+"""Figure of latent arithmetic, A - B + C = D, with changed parts in colour."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -51,10 +50,8 @@ def draw(folders: list[Path], names: list[str], out: Path) -> None:
     data.to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.folders],
-        list(snakemake.params.names),
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.folders],
+    list(snakemake.params.names),
+    Path(snakemake.output.picture),
+)

@@ -1,14 +1,14 @@
-"""The same number of unselected samples of every model, one row a model, real shapes on top."""
+"""The same number of unselected samples of every model, one row per model, real shapes on top."""
 
-import sys
 from pathlib import Path
 
 import pandas as pd
 
 from tetgan.rendering.figure import Row, draw_rows
-from tetgan.rendering.meshes import finished_samples, read_originals, read_shape, sample_ids
+from tetgan.rendering.meshes import read_originals, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples, sample_ids
 
 REAL = "real"
 
@@ -41,12 +41,10 @@ def draw(samples: list[Path], names: list[str], archives: list[str], columns: in
     table.drop(columns="shape").to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.samples],
-        list(snakemake.params.names),
-        list(snakemake.input.meshes),
-        snakemake.params.columns,
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.samples],
+    list(snakemake.params.names),
+    list(snakemake.input.meshes),
+    snakemake.params.columns,
+    Path(snakemake.output.picture),
+)

@@ -1,12 +1,11 @@
 """Interpolations between pairs of shapes: for each model and pair the steps, and below them cut open."""
 
-import sys
 from pathlib import Path
 
 import pandas as pd
 
 from tetgan.rendering.figure import NOTHING, Row, draw_rows
-from tetgan.rendering.meshes import CUT, CUT_AZIMUTH, cut_open, read_originals, read_shape, read_solid
+from tetgan.rendering.meshes import CUT, CUT_AZIMUTH, cut_open, read_originals, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
 
@@ -21,7 +20,7 @@ def pair_rows(folder: Path, name: str, steps: pd.DataFrame, archives: list[str])
     """Both shapes at the ends, the decoded steps between them."""
     first, second = read_originals(archives, [steps["first"].iloc[0], steps["second"].iloc[0]])
     paths = [folder / steps["pair"].iloc[0] / f"{step}.ply" for step in steps["id"]]
-    cut = [cut_open(read_solid(path.with_suffix(".vtu")), CUT) for path in paths]
+    cut = [cut_open(path.with_suffix(".vtu"), CUT) for path in paths]
     return [
         Row(name, [first, *map(read_shape, paths), second], ["", *captions(steps)], ruled=True),
         Row("cut open", [NOTHING, *cut, NOTHING], azimuth=CUT_AZIMUTH),
@@ -42,11 +41,9 @@ def draw(folders: list[Path], names: list[str], archives: list[str], out: Path) 
     data.to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.folders],
-        list(snakemake.params.names),
-        list(snakemake.input.meshes),
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.folders],
+    list(snakemake.params.names),
+    list(snakemake.input.meshes),
+    Path(snakemake.output.picture),
+)

@@ -1,15 +1,15 @@
 """Samples above their nearest training shapes, from the most remembered to the newest."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from tetgan.rendering.figure import Row, draw_rows
-from tetgan.rendering.meshes import finished_samples, read_originals, read_shape
+from tetgan.rendering.meshes import read_originals, read_shape
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples
 
 REAL = "real"
 
@@ -46,13 +46,11 @@ def draw(samples: dict[str, Path], table: pd.DataFrame, archives: list[str], col
     table.to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    names = list(snakemake.params.names)
-    draw(
-        dict(zip(names, map(Path, snakemake.input.samples), strict=True)),
-        read_tables([*snakemake.input.tables, snakemake.input.real], [*names, REAL]),
-        list(snakemake.input.meshes),
-        snakemake.params.columns,
-        Path(snakemake.output.picture),
-    )
+names = list(snakemake.params.names)
+draw(
+    dict(zip(names, map(Path, snakemake.input.samples), strict=True)),
+    read_tables([*snakemake.input.tables, snakemake.input.real], [*names, REAL]),
+    list(snakemake.input.meshes),
+    snakemake.params.columns,
+    Path(snakemake.output.picture),
+)

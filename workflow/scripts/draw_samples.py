@@ -1,6 +1,5 @@
 """Validation shapes beside their reconstructions, random samples, and samples cut open, on one sheet."""
 
-import sys
 from pathlib import Path
 
 from tetgan.rendering.figure import Row, Shape, draw_rows
@@ -8,15 +7,13 @@ from tetgan.rendering.meshes import (
     CUT,
     CUT_AZIMUTH,
     cut_open,
-    finished_samples,
     list_shapes,
     read_originals,
     read_shape,
-    read_solid,
-    sample_ids,
 )
 from tetgan.rendering.sheet import save_image
 from tetgan.rendering.view import View
+from tetgan.solids.folder import finished_samples, sample_ids
 
 Shown = list[tuple[str, str, str, Shape | None]]
 
@@ -29,11 +26,11 @@ def read_shown(folder: Path, name: str, kind: str, columns: int) -> Shown:
 
 def model_rows(folder: Path, name: str, reconstructed: Shown, generated: Shown) -> list[Row]:
     """Rows of one model: reconstructions, samples, samples cut open; all smoothed (Eq. 4)."""
-    solids = [read_solid(folder / "generated" / f"{shape_id}.vtu") for _, _, shape_id, _ in generated]
+    solids = [cut_open(folder / "generated" / f"{shape_id}.vtu", CUT) for _, _, shape_id, _ in generated]
     return [
         Row(f"{name}\nreconstructed", [shape for *_, shape in reconstructed], ruled=True),
         Row(f"{name}\nsampled", [shape for *_, shape in generated]),
-        Row(f"{name}\ncut open", [cut_open(solid, CUT) for solid in solids], azimuth=CUT_AZIMUTH),
+        Row(f"{name}\ncut open", solids, azimuth=CUT_AZIMUTH),
     ]
 
 
@@ -53,12 +50,10 @@ def draw(samples: list[Path], names: list[str], archives: list[str], columns: in
     list_shapes(shown).to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(folder) for folder in snakemake.input.samples],
-        list(snakemake.params.names),
-        list(snakemake.input.meshes),
-        snakemake.params.columns,
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(folder) for folder in snakemake.input.samples],
+    list(snakemake.params.names),
+    list(snakemake.input.meshes),
+    snakemake.params.columns,
+    Path(snakemake.output.picture),
+)

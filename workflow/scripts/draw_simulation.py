@@ -1,6 +1,5 @@
 """One sample at rest and under load."""
 
-import sys
 from pathlib import Path
 
 import pandas as pd
@@ -20,11 +19,9 @@ def draw(samples: Path, model: str, options: SimulationOptions, out: Path) -> No
     write_simulation(out.with_suffix(".vtu"), found.result)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        Path(snakemake.input.samples[0]),
-        snakemake.params.name,
-        SimulationOptions.model_validate_json(snakemake.params.options),
-        Path(snakemake.output.picture),
-    )
+draw(
+    Path(snakemake.input.samples[0]),
+    snakemake.params.names[0],
+    SimulationOptions.model_validate_json(snakemake.params.options),
+    Path(snakemake.output.picture),
+)

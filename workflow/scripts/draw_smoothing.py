@@ -1,6 +1,5 @@
 """One validation shape in every variant of displacement and smoothing, whole and enlarged, for each model."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +8,8 @@ import pandas as pd
 from tetgan.rendering.raycast import render_mesh
 from tetgan.rendering.sheet import contact_sheet, save_image
 from tetgan.shapes.archive import read_meshes
-from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, read_study
+from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, VARIANTS, Variant, read_study
 from tetgan.studies.smoothing.rows import measure_bends
-from tetgan.studies.smoothing.smoothers import VARIANTS, Variant
 
 CELL = 300
 ENLARGED = 3
@@ -43,7 +41,7 @@ def columns():
 
 
 def measured(study: str, model: str, shapes: dict) -> pd.DataFrame:
-    """What the study says of its first shape, and how edges bend: a row a column of the picture."""
+    """Figures of the first shape and the bends of its edges: one row per column of the picture."""
     rows = read_study(Path(study)).rows
     rows = rows[rows["id"] == rows["id"].iloc[0]].assign(model=model).reset_index(drop=True)
     names = [
@@ -66,6 +64,4 @@ def draw(studies: list[str], models: list[str], out: Path) -> None:
     pd.concat(data).to_csv(out.with_suffix(".csv"), index=False)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(list(snakemake.input.studies), list(snakemake.params.names), Path(snakemake.output.picture))
+draw(list(snakemake.input.studies), list(snakemake.params.names), Path(snakemake.output.picture))

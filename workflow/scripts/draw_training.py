@@ -1,6 +1,5 @@
 """Losses and validation IoU of every model that logs them, against the minutes of its training."""
 
-import sys
 from pathlib import Path
 
 import pandas as pd
@@ -19,11 +18,9 @@ def draw(folders: list[Path], names: list[str], seeds: list[int], out: Path) -> 
     save_plot(out, draw_curves(table), table)
 
 
-with Path(snakemake.log[0]).open("w") as log:
-    sys.stdout = sys.stderr = log
-    draw(
-        [Path(weights).parent for weights in snakemake.input.weights],
-        list(snakemake.params.names),
-        list(snakemake.params.seeds),
-        Path(snakemake.output.picture),
-    )
+draw(
+    [Path(weights).parent for weights in snakemake.input.weights],
+    list(snakemake.params.names),
+    list(snakemake.params.seeds),
+    Path(snakemake.output.picture),
+)

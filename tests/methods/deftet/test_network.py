@@ -1,4 +1,4 @@
-"""The surface network of DefTet: its graphs, and what it does to the model it stands on."""
+"""DefTet's surface network: its graphs, and its effect on the TetGAN below it."""
 
 import numpy as np
 import pytest

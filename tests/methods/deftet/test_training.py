@@ -1,4 +1,4 @@
-"""Training of the surface network: that it learns, repeats and resumes, and what it needs."""
+"""Training of the surface network: it learns, repeats, resumes, and needs a TetGAN."""
 
 import csv
 from pathlib import Path
@@ -70,7 +70,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(index, full, tm
 
 
 class Killed(BaseException):
-    """Stands for a kill: the loop has no chance to tidy up after it."""
+    """A stand-in for a kill: the loop has no chance to tidy up after it."""
 
 
 def test_a_run_that_was_stopped_ends_like_one_that_was_not(index, full, tmp_path, monkeypatch):
@@ -97,7 +97,7 @@ def test_it_needs_a_tetgan(index, full, tmp_path):
         train_model(index, OPTIONS, brief(), 0, tmp_path, of=tmp_path / "absent")
     store, pca = FieldStore.open(index), PcaOptions(kind="pca", grid="smoke", components=2)
     save_generator(tmp_path / "pca", build_generator(pca, store.hierarchy), pca, store.hierarchy)
-    with pytest.raises(UserError, match="a model of kind 'pca'; 'deftet' stands on tetgan"):
+    with pytest.raises(UserError, match="a model of kind 'pca'; 'deftet' is built on tetgan"):
         train_model(index, OPTIONS, brief(), 0, tmp_path, of=tmp_path / "pca")
 
 

@@ -1,4 +1,4 @@
-"""The three kinds of step move what they should, in the direction they should."""
+"""The three kinds of step: the networks that each moves, and the direction."""
 
 import pytest
 import torch

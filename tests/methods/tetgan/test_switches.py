@@ -1,4 +1,4 @@
-"""What saves time and memory changes no loss."""
+"""Switches that save time or memory leave the losses as they are."""
 
 import pytest
 import torch

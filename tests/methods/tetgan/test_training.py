@@ -1,4 +1,4 @@
-"""That the network learns, that runs repeat, and that a killed run ends like one that was not."""
+"""Training of TetGAN: it learns, runs repeat, and a killed run ends with the same weights."""
 
 import csv
 import json
@@ -98,7 +98,7 @@ def test_the_same_seed_gives_the_same_bytes(tiny_index, in_one_go, tmp_path):
 
 
 class Killed(BaseException):
-    """Stands for a kill: the loop has no chance to tidy up after it."""
+    """A stand-in for a kill: the loop has no chance to tidy up after it."""
 
 
 @pytest.mark.parametrize("step", [4, 5])

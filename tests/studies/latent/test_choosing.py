@@ -1,4 +1,4 @@
-"""Pairs and triples: what the rule finds, and that it finds the same every time."""
+"""Pairs and triples chosen by the rule, the same ones every time."""
 
 import numpy as np
 import pytest

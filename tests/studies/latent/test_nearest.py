@@ -1,4 +1,4 @@
-"""The table of nearest training shapes, against what must be so."""
+"""The table of nearest training shapes: invariants."""
 
 import numpy as np
 import pandas as pd
@@ -6,14 +6,16 @@ import pytest
 import trimesh
 
 from tetgan.errors import UserError
-from tetgan.studies.latent.nearest import write_nearest
+from tetgan.studies.latent.nearest import find_nearest_shapes
 from tetgan.studies.options import NearestOptions
 
 OPTIONS = NearestOptions(points=3000)
 
 
 def stage(project, out, samples, options=OPTIONS) -> pd.DataFrame:
-    write_nearest([project / "meshes.zip"], project / "catalogue.csv", out, samples=samples, options=options)
+    find_nearest_shapes(
+        [project / "meshes.zip"], project / "catalogue.csv", out, samples=samples, options=options
+    )
     return pd.read_csv(out, dtype={"id": str})
 
 

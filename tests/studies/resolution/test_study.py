@@ -7,19 +7,25 @@ from PIL import Image
 
 from tetgan.errors import UserError
 from tetgan.studies.options import ResolutionOptions
-from tetgan.studies.resolution.convergence import convergence_order, resolution_to_reach, summarise
 from tetgan.studies.resolution.representations import BINARY, BLOCKY, DEFORMED, DISTANCE, UNDEFORMED
-from tetgan.studies.resolution.study import measure_curves, study_resolution, surface_error
+from tetgan.studies.resolution.study import (
+    convergence_order,
+    measure_curves,
+    measure_resolution,
+    resolution_to_reach,
+    summarise,
+    surface_error,
+)
 from tetgan.studies.resolution.torus import Torus
 
 TINY = {"cells": [1, 2, 3], "deformed_cells": [1, 2], "depth": 1, "voxels": [8, 16, 32], "points": 2000}
 
 
 def test_a_torus_is_at_distance_zero_and_a_thicker_one_further(torus):
-    near = surface_error(*torus.mesh(400, 200), torus, 20_000, seed=0)
+    near = surface_error(torus.mesh(400, 200), torus, 20_000, seed=0)
     assert near.symmetric < 1e-4
     thicker = Torus(torus.major, torus.minor + 0.01, torus.axis)
-    far = surface_error(*thicker.mesh(400, 200), torus, 20_000, seed=0)
+    far = surface_error(thicker.mesh(400, 200), torus, 20_000, seed=0)
     assert far.to_torus == pytest.approx(0.01, abs=1e-4)
     assert far.from_torus == pytest.approx(0.01, abs=1e-4)
     assert far.symmetric == (far.to_torus + far.from_torus) / 2
@@ -82,7 +88,7 @@ def test_the_reference_needs_its_own_resolution():
 
 def test_the_stage_writes_table_figure_and_data(tmp_path):
     options = ResolutionOptions.parse(TINY)
-    study_resolution(options, tmp_path / "table.csv", tmp_path / "figure.png")
+    measure_resolution(options, tmp_path / "table.csv", tmp_path / "figure.png")
     names = {"table.csv", "table.md", "figure.csv", "figure.png"}
     assert {path.name for path in tmp_path.iterdir()} == names
     table, curves = (pd.read_csv(tmp_path / name) for name in ("table.csv", "figure.csv"))

@@ -11,7 +11,7 @@ from tetgan.studies.resolution.torus import Torus
 
 
 def test_distance_is_that_to_the_nearest_of_many_points_on_it(torus):
-    on_surface, _ = torus.mesh(600, 300)
+    on_surface = torus.mesh(600, 300).vertices
     points = np.random.default_rng(0).random((2000, 3))
     sampled, _ = KDTree(on_surface).query(points)
     exact = np.abs(torus.signed_distance(points))
@@ -57,7 +57,8 @@ def test_samples_are_uniform_by_area(torus):
 
 
 def test_its_mesh_is_closed_and_faces_outward(torus):
-    mesh = trimesh.Trimesh(*torus.mesh(120, 60), process=False)
+    surface = torus.mesh(120, 60)
+    mesh = trimesh.Trimesh(surface.vertices, surface.faces, process=False)
     assert mesh.is_watertight
     # A circle of n chords loses (2 pi / n)^2 / 6 of its area; here both circles do.
     assert mesh.volume == pytest.approx(2 * np.pi**2 * torus.major * torus.minor**2, rel=0.005)
@@ -66,7 +67,8 @@ def test_its_mesh_is_closed_and_faces_outward(torus):
 
 def test_its_field_is_that_of_a_fine_mesh(torus):
     grid = build_hierarchy(2, 1).finest
-    exact, extracted = torus.field(grid.centroids), extract_field(*torus.mesh(400, 200), grid)
+    surface, exact = torus.mesh(400, 200), torus.field(grid.centroids)
+    extracted = extract_field(surface.vertices, surface.faces, grid)
     sagitta = 0.42 * (2 * np.pi / 400) ** 2 / 8 + 0.12 * (2 * np.pi / 200) ** 2 / 8
     clear = np.abs(torus.signed_distance(grid.centroids)) > sagitta
     np.testing.assert_array_equal(exact.occupancy[clear], extracted.occupancy[clear])

@@ -1,4 +1,4 @@
-"""Bends of solids whose dihedral angles everybody knows."""
+"""Bends of solids with known dihedral angles."""
 
 import numpy as np
 import pytest

@@ -2,7 +2,6 @@
 
 import json
 import runpy
-import sys
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -24,11 +23,11 @@ from tetgan.methods.representation.options import RepresentationOptions
 from tetgan.models.files import build_generator, save_generator
 from tetgan.shapes.archive import read_meshes, write_meshes
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.claims import CLAIMS, weigh_claim, weigh_features
 from tetgan.studies.smoothing.files import Study, read_study
+from tetgan.studies.smoothing.report import CLAIMS, weigh_claim, weigh_features
 from tetgan.studies.smoothing.smoothers import VARIANTS, Variant
-from tetgan.studies.smoothing.study import study_smoothing
-from tetgan.studies.smoothing.table import FIGURES, IDENTITY, study_table, write_smoothing_table
+from tetgan.studies.smoothing.study import measure_smoothing
+from tetgan.studies.smoothing.table import FIGURES, IDENTITY, study_table, tabulate_smoothing
 
 EVALUATION = EvaluationOptions.parse({"points": 1000, "samples": 4, "kernel": {"block": 2}})
 OTHER_SEED = EvaluationOptions.parse({**EVALUATION.model_dump(), "seed": 1})
@@ -79,7 +78,7 @@ def run(inputs, out, **changes):
         "evaluation": EVALUATION,
         "identity": MODEL,
     }
-    study_smoothing(inputs / "model", inputs / "index.json", out, **(arguments | changes))
+    measure_smoothing(inputs / "model", inputs / "index.json", out, **(arguments | changes))
     return out
 
 
@@ -145,7 +144,7 @@ def test_too_few_held_out_clouds_leave_fid_empty(inputs, tmp_path):
     study = read_study(run(inputs, tmp_path / "out", clouds=tmp_path / "few.npz"))
     assert study.report["features"]["blocky-none"]["fid"]["value"] is None
     assert weigh_features("fid", study).holds == "undecided"
-    write_smoothing_table([tmp_path / "out"], tmp_path / "table.csv")
+    tabulate_smoothing([tmp_path / "out"], tmp_path / "table.csv")
     assert pd.read_csv(tmp_path / "table.csv")["fid"].isna().all()
 
 
@@ -157,7 +156,7 @@ def test_no_validation_shape_is_an_error(inputs, tmp_path):
 
 
 def test_the_table_has_a_row_a_variant_and_the_floor(folder, tmp_path):
-    write_smoothing_table([folder], tmp_path / "smoothing.csv")
+    tabulate_smoothing([folder], tmp_path / "smoothing.csv")
     table = pd.read_csv(tmp_path / "smoothing.csv")
     assert len(table) == len(VARIANTS) + 1
     assert tuple(table.columns[: len(IDENTITY)]) == IDENTITY
@@ -178,7 +177,7 @@ def test_the_table_has_a_row_a_variant_and_the_floor(folder, tmp_path):
 
 def test_seeds_become_one_row_with_their_deviation(inputs, folder, tmp_path):
     other = run(inputs, tmp_path / "other", identity={**MODEL, "seed": "1"}, evaluation=OTHER_SEED)
-    write_smoothing_table([folder, other], tmp_path / "both.csv")
+    tabulate_smoothing([folder, other], tmp_path / "both.csv")
     one, two = (study_table(read_study(each)) for each in (folder, other))
     both = pd.read_csv(tmp_path / "both.csv")
     assert len(both) == len(one) and set(both["seeds"]) == {2}
@@ -192,9 +191,9 @@ def test_seeds_become_one_row_with_their_deviation(inputs, folder, tmp_path):
 
 def test_no_study_is_an_error(tmp_path):
     with pytest.raises(UserError, match="no study"):
-        write_smoothing_table([], tmp_path / "smoothing.csv")
+        tabulate_smoothing([], tmp_path / "smoothing.csv")
     with pytest.raises(UserError, match="not a smoothing study"):
-        write_smoothing_table([tmp_path], tmp_path / "smoothing.csv")
+        tabulate_smoothing([tmp_path], tmp_path / "smoothing.csv")
 
 
 def study_of(differences):
@@ -239,16 +238,13 @@ def test_the_report_is_whole_json(folder):
     assert report["tets"] == 1536
 
 
-def test_the_figure_has_its_data_beside_it(folder, tmp_path, monkeypatch):
-    for stream in ("stdout", "stderr"):
-        monkeypatch.setattr(sys, stream, getattr(sys, stream))  # gives back what the script takes
+def test_the_figure_has_its_data_beside_it(folder, tmp_path):
     job = SimpleNamespace(
         input=SimpleNamespace(studies=[str(folder)]),
         params=SimpleNamespace(names=["a-model"]),
         output=SimpleNamespace(picture=str(tmp_path / "smoothing.png")),
-        log=[str(tmp_path / "log")],
     )
-    script = Path(__file__).parents[2] / "workflow" / "scripts" / "draw_smoothing.py"
+    script = Path(__file__).parents[3] / "workflow" / "scripts" / "draw_smoothing.py"
     runpy.run_path(str(script), init_globals={"snakemake": job})
     data = pd.read_csv(tmp_path / "smoothing.csv")
     assert len(data) == 1 + len(VARIANTS) and set(data["id"]) == {"box-6"}

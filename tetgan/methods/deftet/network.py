@@ -1,4 +1,4 @@
-"""Ablation (b): the surface network of DefTet (Gao et al. 2020), which moves vertices it is given.
+"""DefTet's surface network (Gao et al. 2020), ablation (b): displaces the vertices of a given boundary.
 
 It learns on the boundary of true occupancies, and is applied to the boundary that TetGAN decodes.
 docs/fidelity.md says what the paper leaves open here.
@@ -30,7 +30,7 @@ class SurfaceGraph(NamedTuple):
     """The boundary of an occupancy as a graph of its N vertices.
 
     Attributes:
-        vertices: where they stand in the grid.
+        vertices: their positions in the grid.
         features: position, -1 to 1 across the cube, and unit outward normal of the boundary on the grid.
         around: averages over the vertices at the other ends of the boundary's edges.
     """

@@ -1,4 +1,4 @@
-"""Training of DefTet's surface network: boundaries of true occupancies, moved as Eq. 3 moves them."""
+"""Training of DefTet's surface network on boundaries of true occupancies."""
 
 import hashlib
 import math

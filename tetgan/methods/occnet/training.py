@@ -1,4 +1,4 @@
-"""OccNet in training."""
+"""Training of OccNet."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Principal components of the fields: the best linear code, the yardstick of every other."""
+"""Principal components of the fields: the best linear code."""
 
 import logging
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""No model: fields as they are, which shows what the grid itself costs."""
+"""Ground-truth fields in place of a model: the best that any model on the grid can do."""
 
 from jaxtyping import Float
 from torch import Tensor
@@ -9,7 +9,7 @@ from tetgan.models.generator import FieldGenerator
 
 
 class RepresentationGenerator(FieldGenerator):
-    """The field is its own latent. There is no prior to draw from: training fields stand in for samples."""
+    """The field is its own latent. There is no prior to draw from: training fields replace samples."""
 
     is_identity = True
 

@@ -1,4 +1,4 @@
-"""ShapeGAN in training: the critic sees ever finer voxels."""
+"""Training of ShapeGAN with its growing critic."""
 
 from itertools import accumulate
 from typing import Any
@@ -112,7 +112,7 @@ def stages(resolution: int, epochs: int | list[int]) -> list[tuple[int, int]]:
 
 
 def stage_at(epoch: float, stages: list[tuple[int, int]], fade_in: float) -> tuple[int, float]:
-    """Resolution after so many epochs, and how far it is blended in, 0 to 1; the first is there at once."""
+    """Resolution after `epoch` epochs, and how far it is blended in, 0 to 1; the first is there at once."""
     resolutions, ends = [size for size, _ in stages], list(accumulate(epochs for _, epochs in stages))
     stage = sum(epoch >= end for end in ends[:-1])
     if stage == 0 or fade_in == 0:

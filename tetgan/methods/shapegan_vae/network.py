@@ -9,11 +9,11 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from tetgan.fields.voxels import CLAMP
-from tetgan.methods.shapegan.network import SLOPE
 from tetgan.methods.shapegan_vae.options import ShapeGanVaeOptions
 from tetgan.models.generator import VoxelGenerator
 
 RESOLUTION = 32
+SLOPE = 0.2  # of the leaky ReLU
 
 CHANNELS = (1, 24, 48, 96)  # each of half the resolution of the one before: 32³ to 4³
 

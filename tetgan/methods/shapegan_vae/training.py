@@ -1,4 +1,4 @@
-"""ShapeGAN's voxel autoencoder in training."""
+"""Training of ShapeGAN's voxel autoencoder."""
 
 from typing import Any
 

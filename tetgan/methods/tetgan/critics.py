@@ -1,4 +1,4 @@
-"""The two Wasserstein critics: one looks at patches, one at the whole grid (paper's supplement A).
+"""Local and global Wasserstein critic (paper's supplement A).
 
 Their last layers have no bias: only differences of scores count, so its gradient would be nothing but
 rounding, which Adam enlarges to whole steps.

@@ -90,7 +90,7 @@ class TetganLearner:
     ) -> Losses:
         """Encode, draw from the posterior, decode, compare; one Adam step on both halves.
 
-        Here and below, where several processes share a batch, `field` is this one's part of one `of` so many
+        Here and below, where several processes share a batch, `field` is this one's part of a batch of `of`
         shapes.
         """
         count = of or len(field)

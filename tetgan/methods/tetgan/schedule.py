@@ -1,4 +1,4 @@
-"""What changes in the course of a training run."""
+"""Schedules over a run: KL weight, step size, head start, adversarial rounds."""
 
 import math
 from typing import Literal
@@ -9,7 +9,7 @@ EPOCH_SHAPES = 5648  # an epoch of the paper's chairs; the KL schedule counts in
 
 
 def kl_weight(shapes: int, options: TetganTraining) -> float:
-    """Weight of the KL term after so many shapes: kl_weight · (1 − 0.99 · kl_decay^(shapes / 5,648))."""
+    """Weight of the KL term after `shapes` shapes: kl_weight · (1 − 0.99 · kl_decay^(shapes / 5,648))."""
     return options.kl_weight * (1 - 0.99 * options.kl_decay ** (shapes / EPOCH_SHAPES))
 
 
@@ -21,7 +21,7 @@ def rate_factor(progress: float, decay: Literal["constant", "cosine"]) -> float:
 
 
 def bypass_steps(steps: int, options: TetganTraining) -> int:
-    """How many of `steps` go around the latent head."""
+    """Number of the `steps` that go around the latent head."""
     return round(options.head_start * steps)
 
 

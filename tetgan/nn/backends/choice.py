@@ -1,4 +1,4 @@
-"""Which backend computes a convolution."""
+"""Choice of the backend that computes a convolution."""
 
 import importlib
 import logging
@@ -23,7 +23,7 @@ _forced: Backend | None = None
 
 @runtime_checkable
 class Kernels(Protocol):
-    """What a backend offers to the differentiable operator; none of them records gradients."""
+    """Functions that a backend offers to the differentiable operator; none records gradients."""
 
     def conv(
         self, x: Tensor, weight: Tensor, bias: Tensor | None, neighbors: TetNeighbors, side: Side
@@ -44,7 +44,7 @@ class Kernels(Protocol):
 
 @contextmanager
 def conv_backend(name: str) -> Iterator[None]:
-    """Convolutions called inside use this backend, whatever the device.
+    """Convolutions called inside use this backend on any device.
 
     Raises:
         UserError: there is no such backend, or it is `triton` and Triton is not installed.

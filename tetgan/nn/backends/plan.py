@@ -1,4 +1,4 @@
-"""Which order of gathering and multiplying costs least on a CPU, by a fixed model.
+"""Cost model that chooses the order of gathering and multiplying on a CPU.
 
 A model rather than a measurement: the methods round differently, and the same machine must give the same
 bytes every time. The constants are nanoseconds of one AVX-512 core (docs/kernels.md).
@@ -45,7 +45,7 @@ def rows_in_table(out: int) -> int:
 
 @cache
 def choose_method(rows: int, channels: int, out: int, gathered_again: int = 0) -> Method:
-    """The method with the least time for so many tets and shapes.
+    """The method with the least time for `rows` rows of tets and shapes.
 
     `columns` gathers five rows beside each other and multiplies once. `first` multiplies, then sums rows of
     results, from a table that is large unless they are few. Who has another use for the columns says how

@@ -11,7 +11,7 @@ from tetgan.shapes.builtin.parts import SQUARE, Part, bar, panel, rounded_box, s
 
 @dataclass(frozen=True)
 class ArmRoom:
-    """Where an arm fits, in metres.
+    """Space for an arm, in metres.
 
     `x` is the plane of its middle, `seat` and `height` the tops of the seat and of the arm, `back` and
     `front` its ends in z, and `rear` is x where it meets the back if that is narrower than the seat.

@@ -4,14 +4,14 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
 
 from tetgan.errors import UserError
+from tetgan.geometry.triangles import TriangleMesh, area_normals, join_meshes
 from tetgan.shapes.builtin.bench import make_bench
 from tetgan.shapes.builtin.car import make_car
 from tetgan.shapes.builtin.chair import make_chair
 from tetgan.shapes.builtin.draws import between, chance, pick
-from tetgan.shapes.builtin.parts import Part, join_parts
+from tetgan.shapes.builtin.parts import Part
 from tetgan.shapes.builtin.sofa import make_sofa
 from tetgan.shapes.builtin.table import make_table
 from tetgan.shapes.builtin.vase import make_vase
@@ -46,8 +46,7 @@ def _repeat_faces(rng: np.random.Generator, part: Part) -> Part:
 
 def _open_underside(_: np.random.Generator, part: Part) -> Part:
     """Without the faces that look straight down, where a modeller expects nobody to look."""
-    a, b, c = part.vertices[part.faces].transpose(1, 0, 2)
-    normals = np.cross(b - a, c - a)
+    normals = area_normals(part.triangles)
     hidden = normals[:, 1] < -0.99 * np.linalg.norm(normals, axis=1)
     return part if hidden.all() else Part(part.vertices, part.faces[~hidden])
 
@@ -73,11 +72,9 @@ CATEGORIES = tuple(MAKERS)
 
 
 @dataclass(frozen=True, eq=False)
-class BuiltinShape:
-    """A triangle soup, vertices (V, 3) and faces (F, 3), and its structural kind, as slatted/sled/no-arms."""
+class BuiltinShape(TriangleMesh):
+    """A triangle soup and its structural kind, as slatted/sled/no-arms."""
 
-    vertices: Float[np.ndarray, "V 3"]
-    faces: Int[np.ndarray, "F 3"]
     structure: str
 
 
@@ -97,5 +94,5 @@ def generate_shape(category: str, index: int, seed: int) -> BuiltinShape:
     key = [int.from_bytes(category.encode()), seed, index]
     geometry, flaws = (np.random.default_rng([*key, stream]) for stream in range(2))
     parts, structure = MAKERS[category](geometry)
-    soup = join_parts(damage_parts(flaws, parts))
+    soup = join_meshes(damage_parts(flaws, parts))
     return BuiltinShape(soup.vertices, soup.faces, structure)

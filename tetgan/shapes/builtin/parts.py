@@ -11,6 +11,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Int
 
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.builtin.draws import Real
 
 Vector = Sequence[Real] | np.ndarray  # one point, direction or triple of sizes
@@ -27,11 +28,8 @@ SQUARE: Float[np.ndarray, "4 2"] = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
-    """A triangle mesh: vertices (V, 3), faces (F, 3)."""
-
-    vertices: Float[np.ndarray, "V 3"]
-    faces: Int[np.ndarray, "F 3"]
+class Part(TriangleMesh):
+    """A triangle mesh that can be moved about."""
 
     def moved(self, offset: Vector) -> "Part":
         return Part(self.vertices + np.asarray(offset, dtype=float), self.faces)
@@ -51,15 +49,6 @@ class Part:
     def mirrored(self) -> "Part":
         """Reflected in the plane x = 0, still wound outwards."""
         return Part(self.vertices * np.array([-1.0, 1.0, 1.0]), self.faces[:, ::-1])
-
-
-def join_parts(parts: Sequence[Part]) -> Part:
-    """All parts as one soup; nothing is welded."""
-    starts = np.cumsum([0] + [len(part.vertices) for part in parts[:-1]])
-    return Part(
-        np.concatenate([part.vertices for part in parts]),
-        np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)]),
-    )
 
 
 def with_mirror(parts: Sequence[Part]) -> list[Part]:

@@ -1,4 +1,4 @@
-"""What seats and table tops stand on: legs, pedestals, runners and frames, from the floor (y = 0) up."""
+"""Supports of seats and table tops: legs, pedestals, runners and frames, from the floor (y = 0) up."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

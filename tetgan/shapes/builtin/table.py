@@ -1,4 +1,4 @@
-"""Tables: oblong, centred, one-thickness, shelved and picnic tables; desks stand in their own module."""
+"""Tables: oblong, centred, one-thickness, shelved and picnic tables, and desks."""
 
 from dataclasses import dataclass
 

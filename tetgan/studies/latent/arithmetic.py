@@ -1,4 +1,4 @@
-"""Stage: A - B + C, the part that A has and B has not put onto C."""
+"""Stage: latent arithmetic A - B + C, which adds to C the part that A has and B lacks."""
 
 import logging
 from collections.abc import Sequence
@@ -48,7 +48,7 @@ TRIPLES, CHANGES = "triples.csv", "changes.npz"
 _BESIDE = {"A": "B", "B": "A", "C": "D", "D": "C"}
 
 
-def write_arithmetic(
+def add_parts(
     model: Path,
     index: Path,
     folder: Path,
@@ -63,7 +63,7 @@ def write_arithmetic(
         model: folder of a trained model.
         index: of the fields it was trained on.
         folder: receives `{a}-minus-{b}-plus-{c}/{A,B,C,D}.{ply,vtu}`, smoothed, with `changes.npz` beside
-            them (which faces of A, B, C, D are away from B, A, D, C), and `triples.csv`, a row a triple.
+            them (which faces of A, B, C, D are away from B, A, D, C), and `triples.csv`, one row per triple.
             Its `part_in_c` and `part_in_d` are the shares of the tets by which A and B differ that C and D
             have as A does, `kept_of_c` how well C and D agree elsewhere (intersection over union).
         triples: ids; by default chosen from the validation shapes by `choose_triples`.

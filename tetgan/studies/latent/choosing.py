@@ -47,7 +47,7 @@ class Triple(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """Where two shapes differ by more than a shift of their surfaces.
+    """Tets in which two shapes differ by more than a shift of their surfaces.
 
     Attributes:
         added: tets of the first that lie outside the second, further than a threshold from its surface.
@@ -67,7 +67,7 @@ def choose_pairs(ids: Sequence[str], count: int, seed: int) -> list[tuple[str, s
 
 
 def difference(first: Field, second: Field, grid: TetGrid, threshold: float) -> Difference:
-    """Where two fields on a grid differ; `threshold` in cube sides."""
+    """Tets in which two fields on a grid differ; `threshold` in cube sides."""
     added = _far_outside(first, second, threshold)
     removed = _far_outside(second, first, threshold)
     return Difference(added, removed, _box_around(added | removed, grid.centroids, threshold))

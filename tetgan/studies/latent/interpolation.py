@@ -1,4 +1,4 @@
-"""Stage: the shapes between two shapes."""
+"""Stage: interpolation between pairs of shapes."""
 
 import logging
 import math
@@ -29,7 +29,7 @@ log = logging.getLogger(__name__)
 STEPS = "steps.csv"
 
 
-def write_interpolations(
+def interpolate_shapes(
     model: Path,
     index: Path,
     folder: Path,
@@ -43,7 +43,7 @@ def write_interpolations(
     Args:
         model: folder of a trained model.
         index: of the fields it was trained on.
-        folder: receives `{first}-to-{second}/{step}.{ply,vtu}`, smoothed, and `steps.csv`: a row a step with
+        folder: receives `{first}-to-{second}/{step}.{ply,vtu}`, smoothed, and `steps.csv`: per step
             `t`, the Chamfer distances `chamfer_step` to the step before, `chamfer_first` and `chamfer_second`
             to both ends, and the quality of the mesh. Where a step is empty, so are its distances.
         pairs: ids; by default drawn from the validation shapes.

@@ -1,4 +1,4 @@
-"""Stage: the training shape nearest to each sample, which tells what is new from what is remembered."""
+"""Stage: the training shape nearest to each sample."""
 
 from collections.abc import Iterator, Sequence
 from itertools import islice
@@ -16,15 +16,15 @@ from tetgan.evaluation.surfaces import draw_sample
 from tetgan.files import whole_file
 from tetgan.geometry.triangles import TriangleMesh
 from tetgan.progress import map_threads
-from tetgan.rendering.meshes import finished_samples
 from tetgan.shapes.archive import read_meshes
 from tetgan.shapes.catalogue import read_catalogue
 from tetgan.shapes.loading import MESH_SUFFIXES
+from tetgan.solids.folder import finished_samples
 from tetgan.solids.reading import read_surface
 from tetgan.studies.options import NearestOptions
 
 
-def write_nearest(
+def find_nearest_shapes(
     meshes: Sequence[Path],
     catalogue: Path,
     out: Path,

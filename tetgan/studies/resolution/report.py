@@ -1,4 +1,4 @@
-"""The resolution study as people read it: a Markdown table, and a figure of shapes and curves."""
+"""Markdown table and figure of the resolution study."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -8,10 +8,10 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.rendering.raycast import render_mesh
 from tetgan.studies.options import ResolutionOptions
 from tetgan.studies.resolution.representations import BINARY, BLOCKY, DEFORMED, DISTANCE, UNDEFORMED
-from tetgan.studies.resolution.voxels import Triangles
 
 _COLORS = {
     DEFORMED: "#d1601f",
@@ -44,13 +44,14 @@ def render_report(summary: pd.DataFrame, options: ResolutionOptions) -> str:
 
 
 def draw_report(
-    path: Path, curves: pd.DataFrame, summary: pd.DataFrame, pictures: Mapping[str, Triangles]
+    path: Path, curves: pd.DataFrame, summary: pd.DataFrame, pictures: Mapping[str, TriangleMesh]
 ) -> None:
     """Pictures of the shapes, by title, above the error of each representation at every resolution."""
     figure = Figure(figsize=(13, 8), layout="constrained")
     upper, lower = np.asarray(figure.subfigures(2, 1, height_ratios=[1, 1.5]), dtype=object)
     for axes, (title, surface) in zip(upper.subplots(1, len(pictures)), pictures.items(), strict=True):
-        axes.imshow(render_mesh(*surface, size=(_PIXELS, _PIXELS), span=1.0, elevation=25))
+        size = (_PIXELS, _PIXELS)
+        axes.imshow(render_mesh(surface.vertices, surface.faces, size=size, span=1.0, elevation=25))
         axes.set_title(title.replace(", ", "\n"), fontsize=10)
         axes.set_axis_off()
     _draw_curves(lower.subplots(), curves, summary)
@@ -81,7 +82,7 @@ def _draw_curves(axes: Axes, curves: pd.DataFrame, summary: pd.DataFrame) -> Non
 
 
 def _times_deformed(resolutions: pd.Series) -> pd.Series:
-    """Each over that of the deformed tets, which stand first."""
+    """Each over that of the deformed tets, which come first."""
     return (resolutions / resolutions.iloc[0]).map(
         lambda times: "—" if pd.isna(times) else f"{float(times):.1f}"
     )
@@ -95,7 +96,7 @@ def _introduction(summary: pd.DataFrame, options: ResolutionOptions) -> str:
         f"{reference}³ deformed tets (lattice of {options.reference_cells} cells, depth {options.depth}). "
         f"The torus is exact: radii {torus.major:g} and {torus.minor:g} of the side, about the middle, "
         f"axis {torus.axis}. The paper does not say which torus or which threshold it took, so its "
-        "figures stand beside ours and are no claim of equal conditions."
+        "figures are beside ours and are no claim of equal conditions."
     )
 
 

@@ -4,11 +4,11 @@ import numpy as np
 
 from tetgan.fields.field import vertex_operator
 from tetgan.geometry.adjacency import boundary_faces
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.grids.grid import TetGrid
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
 from tetgan.studies.resolution.torus import Torus
-from tetgan.studies.resolution.voxels import Triangles
 
 DEFORMED, UNDEFORMED, BINARY, BLOCKY, DISTANCE = (
     "deformed tets",
@@ -28,19 +28,18 @@ PAPER = {DEFORMED: 41, UNDEFORMED: 161, BINARY: 301}
 _CHUNK = 500_000
 
 
-def undeformed_surface(torus: Torus, grid: TetGrid) -> Triangles:
+def undeformed_surface(torus: Torus, grid: TetGrid) -> TriangleMesh:
     """The blocky boundary of the tets whose centroid lies inside."""
     inside = np.empty(len(grid.tets), dtype=bool)
     for start in range(0, len(inside), _CHUNK):  # all corners of a fine lattice would fill the memory
         corners = grid.vertices[grid.tets[start : start + _CHUNK]]
         inside[start : start + _CHUNK] = torus.signed_distance(corners.mean(axis=1)) < 0
     used, compact = np.unique(grid.tets[inside], return_inverse=True)
-    return grid.vertices[used], boundary_faces(compact.reshape(-1, 4))
+    return TriangleMesh(grid.vertices[used], boundary_faces(compact.reshape(-1, 4)))
 
 
-def deformed_surface(torus: Torus, grid: TetGrid) -> Triangles:
+def deformed_surface(torus: Torus, grid: TetGrid) -> TriangleMesh:
     """The same boundary, moved by the torus's own displacement field (Eq. 3)."""
     field, options = torus.field(grid.centroids), MeshingOptions(mode="paper")
     # Eq. 5 drops what a network got wrong; an exact field has nothing to drop.
-    solid = build_solid(field, grid, vertex_operator(grid), np.inf, options, smoothing=False)
-    return solid.vertices, solid.faces
+    return build_solid(field, grid, vertex_operator(grid), np.inf, options, smoothing=False).surface

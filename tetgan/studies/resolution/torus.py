@@ -4,9 +4,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from tetgan.fields.field import Field
+from tetgan.geometry.triangles import TriangleMesh
 
 Points = Float[np.ndarray, "P 3"]
 
@@ -50,11 +51,11 @@ class Torus:
         return self._join(self.minor * np.sin(around), ring)
 
     def field(self, points: Points) -> Field:
-        """What a tetrahedral grid with these centroids stores of the torus."""
+        """Field of the torus on a tetrahedral grid with these centroids."""
         displacement = self.closest_points(points) - points
         return Field(self.signed_distance(points) < 0, displacement.astype(np.float32))
 
-    def mesh(self, around_ring: int, around_tube: int) -> tuple[Points, Int[np.ndarray, "F 3"]]:
+    def mesh(self, around_ring: int, around_tube: int) -> TriangleMesh:
         """A closed triangle mesh with its vertices on the surface, facing outward."""
         turn, around = np.meshgrid(
             np.arange(around_ring) * 2 * np.pi / around_ring,
@@ -68,7 +69,7 @@ class Torus:
         ahead, beside = np.roll(here, -1, axis=0), np.roll(here, -1, axis=1)
         both = np.roll(ahead, -1, axis=1)
         faces = np.stack([here, ahead, both, here, both, beside], axis=-1).reshape(-1, 3)
-        return vertices, faces
+        return TriangleMesh(vertices, faces)
 
     @cached_property
     def _frame(self) -> Float[np.ndarray, "3 3"]:

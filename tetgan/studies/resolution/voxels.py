@@ -1,4 +1,4 @@
-"""The surfaces of voxels of the unit cube: their own, and those that marching cubes finds."""
+"""Surfaces of voxels of the unit cube: their cubes, and marching cubes."""
 
 from collections.abc import Callable, Iterator
 from itertools import product
@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import igl
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
-Triangles = tuple[Float[np.ndarray, "_V 3"], Int[np.ndarray, "_F 3"]]
+from tetgan.geometry.triangles import TriangleMesh, join_meshes
 
 Distance = Callable[[Float[np.ndarray, "P 3"]], Float[np.ndarray, "P"]]
 
@@ -24,9 +24,9 @@ class VoxelSurfaces(NamedTuple):
         distance: marching cubes on the signed distance of every centre.
     """
 
-    blocky: Triangles
-    binary: Triangles
-    distance: Triangles
+    blocky: TriangleMesh
+    binary: TriangleMesh
+    distance: TriangleMesh
 
 
 def voxel_surfaces(signed_distance: Distance, resolution: int) -> VoxelSurfaces:
@@ -41,16 +41,16 @@ def voxel_surfaces(signed_distance: Distance, resolution: int) -> VoxelSurfaces:
         signed_distance: negative inside, never longer than the true distance. Nothing may be inside at the
             wall of the cube or beyond it.
     """
-    blocky: list[Triangles] = []
-    binary: list[Triangles] = []
-    distance: list[Triangles] = []
+    blocky: list[TriangleMesh] = []
+    binary: list[TriangleMesh] = []
+    distance: list[TriangleMesh] = []
     for places in _blocks(signed_distance, resolution):
         distances = signed_distance(places.reshape(-1, 3))
         inside = distances < 0
         blocky += _cube_sides(inside.reshape(places.shape[:3]), places, 1 / resolution)
         binary.append(_march(np.where(inside, -1.0, 1.0), places))
         distance.append(_march(distances, places))
-    return VoxelSurfaces(_join(blocky), _join(binary), _join(distance))
+    return VoxelSurfaces(join_meshes(blocky), join_meshes(binary), join_meshes(distance))
 
 
 def _blocks(signed_distance: Distance, resolution: int) -> Iterator[Float[np.ndarray, "X Y Z 3"]]:
@@ -72,7 +72,7 @@ def _blocks(signed_distance: Distance, resolution: int) -> Iterator[Float[np.nda
 
 def _cube_sides(
     inside: Bool[np.ndarray, "X Y Z"], places: Float[np.ndarray, "X Y Z 3"], step: float
-) -> Iterator[Triangles]:
+) -> Iterator[TriangleMesh]:
     """For each axis, the squares between a voxel inside and its neighbour outside, facing outward.
 
     The last layer of a block across the axis is the first one of the next block, which has its squares.
@@ -87,20 +87,13 @@ def _cube_sides(
             corners = centres[found][:, None] + ring
             squares = np.arange(corners.size // 3).reshape(-1, 4)
             faces = np.concatenate([squares[:, [0, 1, 2]], squares[:, [0, 2, 3]]])
-            yield corners.reshape(-1, 3), faces[:, ::turn]
+            yield TriangleMesh(corners.reshape(-1, 3), faces[:, ::turn])
 
 
-def _march(values: Float[np.ndarray, "P"], places: Float[np.ndarray, "X Y Z 3"]) -> Triangles:
+def _march(values: Float[np.ndarray, "P"], places: Float[np.ndarray, "X Y Z 3"]) -> TriangleMesh:
     """Surface at value zero, facing outward.
 
     igl runs through its first axis fastest, so the axes are handed over in reverse, which turns faces round.
     """
     vertices, faces, _ = igl.marching_cubes(values, places.reshape(-1, 3), *places.shape[2::-1], 0.0)
-    return vertices.reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)[:, ::-1]
-
-
-def _join(pieces: list[Triangles]) -> Triangles:
-    starts = np.cumsum([0, *(len(vertices) for vertices, _ in pieces)])
-    vertices = np.concatenate([np.empty((0, 3)), *(vertices for vertices, _ in pieces)])
-    faces = [faces + start for (_, faces), start in zip(pieces, starts, strict=False)]
-    return vertices, np.concatenate([np.empty((0, 3), dtype=np.int64), *faces])
+    return TriangleMesh(vertices.reshape(-1, 3), faces.astype(np.int64).reshape(-1, 3)[:, ::-1])

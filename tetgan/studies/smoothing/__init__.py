@@ -1,1 +1,1 @@
-"""What displacement and each smoothing do to surfaces."""
+"""Effect of displacement and smoothing on surfaces."""

@@ -1,4 +1,4 @@
-"""What the smoothing study of a model leaves in its folder."""
+"""Files of a model's smoothing study."""
 
 import json
 from collections.abc import Mapping
@@ -9,13 +9,30 @@ import pandas as pd
 
 from tetgan.errors import UserError
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.studies.smoothing.smoothers import Variant
 
 SHAPES, REPORT, EXAMPLE = "shapes.csv", "report.json", "example.zip"
-"""A row a shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
+"""One row per shape and variant; options, FID and KID; the surfaces of one shape to look at, by name."""
 
 REPAIRED = "repaired"
 """Name of the repaired shape among the variants of it."""
+
+
+class Variant(NamedTuple):
+    """A way from a field to a surface."""
+
+    displaced: bool
+    smoothing: str
+
+    @property
+    def name(self) -> str:
+        return f"{'displaced' if self.displaced else 'blocky'}-{self.smoothing}"
+
+
+VARIANTS = tuple(
+    Variant(displaced, smoothing)
+    for displaced in (False, True)
+    for smoothing in ("none", "wls", "uniform", "cotangent")
+)
 
 
 class Study(NamedTuple):
@@ -34,12 +51,12 @@ class Study(NamedTuple):
         return self.rows[mine.astype(bool)].set_index("id")
 
     def of_repaired(self) -> pd.DataFrame:
-        """The repaired shapes held against themselves."""
+        """Rows of the repaired shapes compared with themselves."""
         return self.rows[self.rows["smoothing"] == REPAIRED].set_index("id")
 
 
 def read_study(folder: Path) -> Study:
-    """Read what `study_smoothing` wrote.
+    """Read what `measure_smoothing` wrote.
 
     Raises:
         UserError: it is missing or damaged.
@@ -49,4 +66,6 @@ def read_study(folder: Path) -> Study:
         rows = pd.read_csv(folder / SHAPES, dtype=kinds, keep_default_na=False, na_values=[""])
         return Study(rows, json.loads((folder / REPORT).read_text(encoding="utf-8")))
     except (OSError, ValueError) as error:
-        raise UserError(f"{folder}: not a smoothing study ({error}); run 'tetgan smoothing' again") from None
+        raise UserError(
+            f"{folder}: not a smoothing study ({error}); run 'tetgan measure-smoothing' again"
+        ) from None

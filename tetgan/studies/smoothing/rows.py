@@ -1,4 +1,4 @@
-"""The figures of each variant of a shape, held against its repaired mesh."""
+"""Figures of each variant of a shape beside its repaired mesh."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -17,11 +17,10 @@ from tetgan.evaluation.surfaces import draw_sample
 from tetgan.geometry.adjacency import unique_edges
 from tetgan.geometry.boundary import Boundary
 from tetgan.geometry.tets import orientations, tet_volumes
-from tetgan.geometry.triangles import TriangleMesh
+from tetgan.geometry.triangles import TriangleMesh, area_normals
 from tetgan.solids.solid import SolidMesh
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.files import REPAIRED
-from tetgan.studies.smoothing.smoothers import Variant
+from tetgan.studies.smoothing.files import REPAIRED, Variant
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +39,7 @@ class Bends:
     ends: Float[np.ndarray, "E 2 3"]
 
     def percentile(self, percent: float | int) -> float:
-        """Angle below which so many per cent of the edges' length bend; nan without edges."""
+        """Angle below which that many per cent of the edges' length bend; nan without edges."""
         if not len(self.angles):
             return np.nan
         order = np.argsort(self.angles)
@@ -77,13 +76,12 @@ class Bends:
 
 def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]) -> Bends:
     """The bend at each edge of a surface whose faces are turned alike."""
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_normals(vertices[faces])
     edges, edge_of_side = unique_edges(faces)
     sides = edge_of_side.ravel()
     manifold = np.bincount(sides, minlength=len(edges)) == 2
     order = np.argsort(sides, kind="stable")
-    pairs = order[manifold[sides[order]]].reshape(-1, 2) // 3  # sides of one edge stand together
+    pairs = order[manifold[sides[order]]].reshape(-1, 2) // 3  # sides of one edge are adjacent
     one, other = normals[pairs[:, 0]], normals[pairs[:, 1]]
     sine = np.linalg.norm(np.cross(one, other), axis=1)
     angles = np.degrees(np.arctan2(sine, np.einsum("ec,ec->e", one, other)))
@@ -93,7 +91,7 @@ def measure_bends(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """A repaired shape, and what surfaces are held against."""
+    """A repaired shape, with the measures that surfaces are compared with."""
 
     shape_id: str
     surface: TriangleMesh
@@ -106,7 +104,7 @@ class Truth:
 
     @cached_property
     def volume(self) -> float:
-        return enclosed_volume(self.surface)
+        return self.surface.volume
 
     @cached_property
     def bends(self) -> Bends:
@@ -118,7 +116,7 @@ class Truth:
         return self.bends.draw(self.study.crease, self.study.crease_points, self._seed("crease"))
 
     def figures(self, surface: TriangleMesh) -> dict[str, float]:
-        """What a surface alone tells: distance and sharpness."""
+        """Distance and sharpness of a surface."""
         drawn = draw_sample(surface, self.evaluation.points, self._seed("reconstructed"))
         bends = measure_bends(surface.vertices, surface.faces)
         return {
@@ -135,7 +133,7 @@ class Truth:
 
 
 def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[dict[str, Any]]:
-    """The repaired shape held against itself, which is the floor, then a row a variant.
+    """The repaired shape compared with itself, which is the floor, then one row per variant.
 
     A row has no figures where nothing is left of the shape.
     """
@@ -143,16 +141,9 @@ def shape_rows(truth: Truth, solids: Mapping[Variant, SolidMesh]) -> Iterator[di
     for variant, solid in solids.items():
         row = {"id": truth.shape_id, "displaced": variant.displaced, "smoothing": variant.smoothing}
         if len(solid.faces):
-            row |= truth.figures(TriangleMesh(solid.vertices, solid.faces))
+            row |= truth.figures(solid.surface)
             row |= _solid_figures(solid, solids[Variant(variant.displaced, "none")], truth.volume)
         yield row
-
-
-def enclosed_volume(surface: TriangleMesh) -> float:
-    """Signed volume of a closed surface, positive when it faces outward."""
-    apex = np.full(len(surface.faces), len(surface.vertices))
-    tets = np.column_stack([apex, surface.faces])
-    return float(tet_volumes(np.vstack([surface.vertices, np.zeros(3)]), tets).sum())
 
 
 def _solid_figures(solid: SolidMesh, unsmoothed: SolidMesh, volume: float) -> dict[str, float]:

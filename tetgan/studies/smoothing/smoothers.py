@@ -1,8 +1,7 @@
-"""One step of smoothing, three ways, and the solids of a field with and without each."""
+"""Laplacian smoothing with wLS, uniform or cotangent weights, and the solids it gives."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import NamedTuple
 
 import igl
 import numpy as np
@@ -17,6 +16,7 @@ from tetgan.meshing.filtering import filter_occupancy
 from tetgan.meshing.options import MeshingOptions
 from tetgan.meshing.smoothing import pull_to_neighbors, smooth_vertices
 from tetgan.solids.solid import SolidMesh
+from tetgan.studies.smoothing.files import VARIANTS, Variant
 
 Vertices = Float[np.ndarray, "V 3"]
 
@@ -28,17 +28,6 @@ Smoother = Callable[[Vertices, Vertices, Faces, float], Vertices]
 
 # Half the cotangent of 1e-6 radians: a sliver's weight is bounded, so that sums stay finite.
 _LARGEST_WEIGHT = 5e5
-
-
-class Variant(NamedTuple):
-    """A way from a field to a surface."""
-
-    displaced: bool
-    smoothing: str
-
-    @property
-    def name(self) -> str:
-        return f"{'displaced' if self.displaced else 'blocky'}-{self.smoothing}"
 
 
 def smooth_uniform(vertices: Vertices, displacement: Vertices, faces: Faces, beta: float) -> Vertices:
@@ -67,10 +56,6 @@ SMOOTHERS: dict[str, Smoother] = {
     "cotangent": smooth_cotangent,
 }
 """Eq. 4, plain and cotangent; each takes the same single step with the same beta."""
-
-VARIANTS = tuple(
-    Variant(displaced, smoothing) for displaced in (False, True) for smoothing in ("none", *SMOOTHERS)
-)
 
 
 def build_variants(

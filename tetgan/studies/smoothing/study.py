@@ -1,4 +1,4 @@
-"""Study: what displacement and each smoothing do to the surfaces of one model."""
+"""Study: effect of displacement and smoothing on the surfaces of one model."""
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
@@ -33,14 +33,14 @@ from tetgan.shapes.archive import read_meshes, write_meshes
 from tetgan.shapes.clouds import read_clouds
 from tetgan.solids.solid import SolidMesh
 from tetgan.studies.options import SmoothingOptions
-from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, REPORT, SHAPES
+from tetgan.studies.smoothing.files import EXAMPLE, REPAIRED, REPORT, SHAPES, VARIANTS, Variant
 from tetgan.studies.smoothing.rows import Truth, shape_rows
-from tetgan.studies.smoothing.smoothers import VARIANTS, Variant, build_variants
+from tetgan.studies.smoothing.smoothers import build_variants
 
 _SPARE = 1.25  # fields drawn for each surface wanted: some may come out empty
 
 
-def study_smoothing(
+def measure_smoothing(
     model: Path,
     index: Path,
     folder: Path,
@@ -120,7 +120,7 @@ class _Subject(NamedTuple):
 def _measure_reconstructions(
     subject: _Subject, meshes: Sequence[Path], study: SmoothingOptions, evaluation: EvaluationOptions
 ) -> tuple[list[dict[str, Any]], dict[str, TriangleMesh]]:
-    """A row a validation shape and variant; and every surface of the first shape, by name."""
+    """One row per validation shape and variant; and every surface of the first shape, by name."""
     wanted = subject.store.ids("validation")[: study.shapes]
     repaired = _read_repaired(meshes, wanted)
     ids = [shape_id for shape_id in wanted if shape_id in repaired]
@@ -134,9 +134,7 @@ def _measure_reconstructions(
         rows += shape_rows(truth, solids)
         if not example:
             example = {REPAIRED: truth.surface}
-            example |= {
-                variant.name: TriangleMesh(solid.vertices, solid.faces) for variant, solid in solids.items()
-            }
+            example |= {variant.name: solid.surface for variant, solid in solids.items()}
     return rows, example
 
 
@@ -175,7 +173,7 @@ def _draw_clouds(
     for number, solids in enumerate(progress):
         seed = named_seed(options.seed, "cloud", f"{number:04d}")
         for variant, solid in solids.items():
-            drawn = draw_sample(TriangleMesh(solid.vertices, solid.faces), points, seed)
+            drawn = draw_sample(solid.surface, points, seed)
             clouds[variant].append(drawn.points.astype(np.float32))
     return clouds
 

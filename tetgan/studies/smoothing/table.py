@@ -1,4 +1,4 @@
-"""Stage: the smoothing study of every model in one table, and whether it bears the paper out."""
+"""Stage: the smoothing studies of all models in one table, with the paper's claims tested."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -10,9 +10,8 @@ import pandas as pd
 from tetgan.errors import UserError
 from tetgan.evaluation.estimates import mean_estimate
 from tetgan.evaluation.options import EvaluationOptions
-from tetgan.studies.smoothing.files import REPAIRED, Study, read_study
+from tetgan.studies.smoothing.files import REPAIRED, VARIANTS, Study, read_study
 from tetgan.studies.smoothing.report import render_smoothing
-from tetgan.studies.smoothing.smoothers import VARIANTS
 from tetgan.tables.markdown import write_twins
 
 IDENTITY = (
@@ -46,11 +45,11 @@ FIGURES = (
 """Each followed by its deviation over seeds, `_std`, and the ends of its interval, `_low` and `_high`."""
 
 
-def write_smoothing_table(studies: Sequence[Path], out: Path) -> None:
+def tabulate_smoothing(studies: Sequence[Path], out: Path) -> None:
     """Write the table as CSV and, with what it says of the paper's claims, as Markdown beside it.
 
     Args:
-        studies: folders that `study_smoothing` wrote, one for each model and seed.
+        studies: folders that `measure_smoothing` wrote, one for each model and seed.
 
     Raises:
         UserError: there is none, or one that is not whole.
@@ -76,7 +75,7 @@ def over_seeds(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 def study_table(study: Study) -> pd.DataFrame:
-    """A row a variant of one model, then the repaired shapes; missing is empty."""
+    """One row per variant of one model, then the repaired shapes; missing is empty."""
     report, evaluation = study.report, study.evaluation
     shared = {name: report.get(name) for name in ("category", "model", "grid", "tets")}
     shared |= {"beta": report["meshing"]["beta"]}
