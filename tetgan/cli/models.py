@@ -93,6 +93,7 @@ def sample(
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
     from tetgan.models.pack import find_model, index_beside
+    from tetgan.models.samples import sample_model
     from tetgan.solids.folder import CERTIFICATES
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")
