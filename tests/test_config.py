@@ -48,8 +48,15 @@ def test_the_written_schema_is_in_step():
     ("values", "words"),
     [
         (changed(trainig={}), ["trainig", "did you mean 'training'"]),
-        (changed(training={"epoch": 3}), ["training.epoch", "did you mean 'epochs'"]),
-        (changed(training={"epochs": 0}), ["training.epochs", "greater than or equal to 1"]),
+        (changed(training={"tetgan": {"epoch": 3}}), ["training.tetgan.epoch", "did you mean 'epochs'"]),
+        (
+            changed(training={"tetgan": {"epochs": 0}}),
+            ["training.tetgan.epochs", "greater than or equal to 1"],
+        ),
+        (changed(training={"tetgn": {}}), ["training.tetgn", "did you mean 'tetgan'"]),
+        (changed(training={"epochs": 3}), ["training.epochs", "unknown key"]),
+        (changed(training={"common": {"epochs": 3}}), ["training.common.epochs", "unknown key"]),
+        (changed(training={"deftet": {"kl_weight": 1}}), ["training.deftet.kl_weight", "unknown key"]),
         (changed(categories=["lamp"]), ["'lamp' has no entry under sources"]),
         (changed(sources={"chair": {"kind": "magic"}}), ["sources.chair", "magic"]),
         (changed(grids={"LR": {"depth": 2}}), ["grids.LR", "exactly one of 'cells' and 'file'"]),
@@ -115,7 +122,7 @@ def test_a_mistake_is_one_line_naming_its_key(values, words):
 def test_a_model_overrides_the_common_training_options():
     config = Config.parse(
         changed(
-            training={"epochs": 7, "batch_size": 3},
+            training={"tetgan": {"epochs": 7, "batch_size": 3}},
             models={"m": {"kind": "tetgan", "grid": "LR", "training": {"epochs": 9}}},
         )
     )

@@ -20,9 +20,8 @@ from tetgan.extractor.options import ExtractorOptions
 from tetgan.fields.options import PointOptions, ShapeSampling, VoxelOptions
 from tetgan.grids.options import GridOptions
 from tetgan.meshing.options import MeshingOptions, Mode
-from tetgan.methods.tetgan.options import TetganTraining
 from tetgan.models.inherit import allow_inherit, resolve_inheritance
-from tetgan.models.method import Method
+from tetgan.models.method import Method, Sizes
 from tetgan.models.registry import (
     MODULE_NAME,
     ModelOptions,
@@ -34,7 +33,7 @@ from tetgan.models.registry import (
 from tetgan.options import Options
 from tetgan.shapes.options import RepairOptions, SourceOptions, SplitOptions
 from tetgan.studies.options import LatentOptions, NearestOptions, StudyOptions
-from tetgan.training.options import training_options
+from tetgan.training.sections import TrainingSections, training_options
 
 TABLES = {
     *("fid", "variety", "reconstruction", "manifold", "quality", "dataset", "runtime"),
@@ -114,8 +113,10 @@ class Config(Options):
         description="models of results/tables/ablation.csv, the full one first; the others only appear there",
     )
     seeds: list[Annotated[int, Field(ge=0)]] = Field([0], min_length=1, description="seeds of every model")
-    training: TetganTraining = Field(
-        TetganTraining(), description="how models are trained; a model's own `training` overrides it"
+    training: TrainingSections = Field(
+        {},
+        description="how models are trained: options of every method under `common`, of one under its name; "
+        "a model's own `training` overrides them",
     )
     samples: SampleOptions = Field(SampleOptions(), description="shapes drawn from each model")
     meshing: MeshingOptions = Field(MeshingOptions(), description="from a field to a mesh")
@@ -273,18 +274,18 @@ class Config(Options):
 
     def reductions(self, model: str) -> str:
         """Settings of a model that are smaller than the paper's, or others, in words; empty: none."""
+        return "; ".join(f"{key} {size}" for key, size in self._sizes(model).items() if size.differs)
+
+    def _sizes(self, model: str) -> Sizes:
+        """Sizes of a model, and those of the model under it that have other names."""
         options: Any = self.models[model]
         kind = method_of(options)
-        told, data, training = [], None, None
+        data, training = None, None
         if kind.trained:
             data = self.grids[options.grid] if kind.sampling is None else self.samplings[options.sampling]
             training = self.training_of(model)
-        elif under := self.reductions(options.of):
-            told.append(under)
-        if kind.of:  # of the sizes of another model, but with training of its own
-            options = self.models[options.of]
-        sizes = method_of(options).load("sizes")(options, data, training)
-        return "; ".join([*told, *(f"{key} {size}" for key, size in sizes.items() if size.differs)])
+        own: Sizes = kind.load("sizes")(options, data, training)
+        return own if kind.trained and not kind.of else self._sizes(options.of) | own
 
 
 def load_config(values: dict[str, Any]) -> dict[str, Any]:

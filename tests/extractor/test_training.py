@@ -11,7 +11,7 @@ import torch
 
 from tetgan.errors import UserError
 from tetgan.extractor.options import ExtractorOptions
-from tetgan.extractor.training import ClassifierTrainer, _turn, read_splits, train_classifier
+from tetgan.extractor.training import ClassifierLearner, _train, _turn, read_splits, train_classifier
 from tetgan.nn.device import device_name, pick_device
 
 OPTIONS = ExtractorOptions(train=4, holdout=2, epochs=3, batch_size=4, seed=1)
@@ -47,7 +47,7 @@ def digest(folder: Path) -> str:
 
 def test_log_and_options_tell_what_was_done(trained):
     log = pd.read_csv(trained / "log.csv")
-    assert log.columns.tolist() == ["epoch", "loss", "train_accuracy", "holdout_accuracy"]
+    assert log.columns.tolist() == ["epoch", "seconds", "loss", "train_accuracy", "holdout_accuracy"]
     assert log["epoch"].tolist() == [1, 2, 3]
     about = json.loads((trained / "options.json").read_text())
     assert about["categories"] == ["lying", "standing"]
@@ -73,24 +73,32 @@ def test_the_same_seed_gives_the_same_bytes_and_another_does_not(boxes, tmp_path
 def test_a_run_that_was_stopped_ends_like_one_that_was_not(boxes, trained, tmp_path):
     splits = read_splits(boxes, OPTIONS, torch.device("cpu"))
 
-    def run() -> ClassifierTrainer:
-        return ClassifierTrainer(*splits, ["lying", "standing"], OPTIONS, tmp_path, checkpoint_seconds=0.0)
+    def train(learner: ClassifierLearner) -> None:
+        _train(learner, ["lying", "standing"], tmp_path, checkpoint_seconds=0.0)
 
-    stopped = run()
+    stopped = ClassifierLearner(*splits, 2, OPTIONS)
     take_step = stopped.take_step
 
-    def stop(draws):
-        if stopped.step == 3:  # within an epoch
+    def stop(rows, step, *others):
+        if step == 3:  # within an epoch
             raise KeyboardInterrupt
-        return take_step(draws)
+        return take_step(rows, step, *others)
 
     stopped.take_step = stop
     with pytest.raises(KeyboardInterrupt):
-        stopped.run()
+        train(stopped)
     assert not (tmp_path / "weights.safetensors").exists()
-    run().run()
+    train(ClassifierLearner(*splits, 2, OPTIONS))
     assert digest(tmp_path) == digest(trained)
-    assert (tmp_path / "log.csv").read_text() == (trained / "log.csv").read_text()
+    logs = (pd.read_csv(folder / "log.csv").drop(columns="seconds") for folder in (tmp_path, trained))
+    pd.testing.assert_frame_equal(*logs)
+
+
+def test_a_last_batch_of_one_cloud_is_left_out(boxes):
+    learner = ClassifierLearner(*read_splits(boxes, OPTIONS, torch.device("cpu")), 2, OPTIONS)
+    learner.batch_size = 3
+    assert [len(rows) for rows in learner.batches(torch.arange(7))] == [3, 3]
+    assert [len(rows) for rows in learner.batches(torch.arange(8))] == [3, 3, 2]
 
 
 def test_a_checkpoint_is_taken_as_it_is_and_its_accuracy_measured(boxes, trained, tmp_path):

@@ -11,7 +11,7 @@ from tetgan.methods.representation.options import RepresentationOptions
 from tetgan.methods.tetgan.options import TetganOptions
 from tetgan.models.files import WEIGHTS, build_generator, load_generator, save_generator
 from tetgan.models.iou import occupancy_iou
-from tetgan.models.sampling import generate_fields, reconstruct_fields
+from tetgan.models.sampling import draw_latents, generate_fields, reconstruct_fields
 
 OPTIONS = [
     TetganOptions(grid="smoke", latent="global", width=4, code=6),
@@ -32,7 +32,7 @@ def test_a_saved_model_decodes_as_before(store, tmp_path, options):
     generator = build_generator(options, store.hierarchy)
     save_generator(tmp_path, generator, options, store.hierarchy, seed=3)
     loaded = load_generator(tmp_path, store.hierarchy)
-    latent = generator.sample_latent(2, torch.Generator().manual_seed(0))
+    latent = torch.cat(list(draw_latents(generator, 2, seed=0, device="cpu")))
     assert torch.equal(loaded.decode(latent), generator.decode(latent))
 
 
@@ -42,6 +42,22 @@ def test_samples_depend_on_the_seed_alone(store):
     five = occupancies(generate_fields(generator, store, 5, seed=1, batch_size=2))
     assert np.array_equal(occupancies(generate_fields(generator, store, 5, seed=1, batch_size=5)), five)
     assert not np.array_equal(occupancies(generate_fields(generator, store, 5, seed=2)), five)
+
+
+@pytest.mark.parametrize("prior", ["normal", "fitted"])
+def test_batches_of_the_prior_have_the_numbers_of_single_draws(store, prior):
+    generator = build_generator(OPTIONS[1].model_copy(update={"prior": prior}), store.hierarchy)
+    if generator.prior is not None:
+        codes = torch.randn(9, *generator.latent_shape, generator=torch.Generator().manual_seed(1))
+        generator.prior.fit(2 + codes, codes.square())
+    draws = torch.Generator().manual_seed(3)
+    single = torch.cat([generator.sample_latent(1, draws) for _ in range(7)])
+    for batch_size in (1, 3, 7):
+        batches = list(draw_latents(generator, 7, seed=3, batch_size=batch_size, device="cpu"))
+        assert max(map(len, batches)) == batch_size
+        assert not torch.is_inference_mode_enabled()
+        # Of a fitted prior a product of matrices, rounded by the size of the batch.
+        torch.testing.assert_close(torch.cat(batches), single, rtol=0, atol=1e-5 if prior == "fitted" else 0)
 
 
 def test_displacements_come_back_in_cube_sides(store):

@@ -46,8 +46,11 @@ class Sphere(ImplicitGenerator):
     def level(self):
         return 0.05
 
-    def sample_latent(self, count, generator):
-        return 0.2 + 0.2 * torch.rand(count, 1, generator=generator)
+    def draw_noise(self, generator):
+        return torch.rand(1, generator=generator)
+
+    def from_noise(self, noise):
+        return 0.2 + 0.2 * noise
 
     def encode(self, data):
         radius = (data[..., :3] - 0.5).norm(dim=-1)

@@ -1,7 +1,8 @@
-"""Training of the baselines: runs repeat, resume exactly, are saved and loaded, and survive a divergence."""
+"""The training loop: runs repeat, resume exactly, are saved and loaded, and survive a divergence."""
 
 import csv
 import json
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -12,12 +13,13 @@ from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.methods.occnet.training import OccNetLearner
 from tetgan.methods.shapegan.training import ShapeGanLearner
 from tetgan.methods.shapegan_vae.training import ShapeGanVaeLearner
-from tetgan.models.files import load_generator, load_surface_model
+from tetgan.models.files import load_generator, load_surface_model, save_generator
 from tetgan.models.registry import ModelOptions
 from tetgan.options import parse_options
-from tetgan.training.loop import KindTrainer
-from tetgan.training.options import training_class
+from tetgan.training.learner import Learner
+from tetgan.training.loop import TrainingLoop, step_draws
 from tetgan.training.run import train_model
+from tetgan.training.sections import training_class
 
 KINDS = ("occnet", "shapegan-gan", "shapegan-vae")
 BRIEF = {
@@ -54,13 +56,25 @@ def learner(points, voxels, coarse_voxels):
 
 @pytest.fixture(scope="module")
 def run(learner):
-    """Makes runs."""
+    """Makes runs, which are on the same options as those of `train_model`."""
 
-    def make(kind: str, folder: Path, seed: int = 0, **changes) -> KindTrainer:
+    def make(kind: str, folder: Path, seed: int = 0, **changes) -> TrainingLoop:
         options = training(kind, **changes)
-        return KindTrainer(learner(kind, seed, **changes), model(kind), options, seed, folder)
+        return TrainingLoop(
+            learner(kind, seed, **changes),
+            folder,
+            seed,
+            options={"training": options.model_dump(exclude=set(options.may_change))},
+            validate_every=options.validate_every,
+            checkpoint_seconds=options.checkpoint_seconds,
+        )
 
     return make
+
+
+def finish(run: TrainingLoop, kind: str) -> None:
+    """Run to the end and save."""
+    run.run(lambda **about: save_generator(run.folder, run.learner.generator, model(kind), **about))
 
 
 def weights(folder: Path) -> bytes:
@@ -77,7 +91,7 @@ def in_one_go(run, tmp_path_factory) -> Path:
     """A folder for each kind, seed 0, never interrupted."""
     folder = tmp_path_factory.mktemp("whole")
     for kind in KINDS:
-        run(kind, folder / kind).run()
+        finish(run(kind, folder / kind), kind)
     return folder
 
 
@@ -85,27 +99,31 @@ def in_one_go(run, tmp_path_factory) -> Path:
 def test_training_from_an_index_repeats_every_byte(indexes, in_one_go, tmp_path, kind):
     train_model(indexes[kind], model(kind), training(kind), 0, tmp_path)
     assert weights(tmp_path) == weights(in_one_go / kind)
+    record = json.loads((tmp_path / "options.json").read_text())
+    assert record["model"]["kind"] == kind
+    assert record["training"]["batch_size"] == BRIEF[kind]["batch_size"]
+    assert record["seed"] == 0
 
 
 class Killed(BaseException):
-    """A stand-in for a kill: the trainer has no chance to tidy up after it."""
+    """A stand-in for a kill: the loop has no chance to tidy up after it."""
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_run_that_was_stopped_ends_like_one_that_was_not(run, in_one_go, tmp_path, kind):
     stopped = run(kind, tmp_path, checkpoint_seconds=0)
-    take_step = stopped.take_step
+    take_step = stopped.learner.take_step
 
-    def stop(draws):
-        if stopped.step == 3:  # within an epoch
+    def stop(rows, step, *others):
+        if step == 3:  # within an epoch
             raise Killed
-        return take_step(draws)
+        return take_step(rows, step, *others)
 
-    stopped.take_step = stop
+    stopped.learner.take_step = stop
     with pytest.raises(Killed):
-        stopped.run()
+        finish(stopped, kind)
     assert not (tmp_path / "weights.safetensors").exists()
-    run(kind, tmp_path, checkpoint_seconds=0).run()
+    finish(run(kind, tmp_path, checkpoint_seconds=0), kind)
     assert weights(tmp_path) == weights(in_one_go / kind)
     assert rows(tmp_path) == rows(in_one_go / kind)
 
@@ -122,11 +140,7 @@ def test_a_trained_model_is_loaded_without_a_grid(in_one_go, kind):
     loaded = load_surface_model(in_one_go / kind)
     assert not loaded.training
     assert loaded.latent_shape == (128,)
-    record = json.loads((in_one_go / kind / "options.json").read_text())
-    assert record["model"]["kind"] == kind
-    assert record["training"]["batch_size"] == BRIEF[kind]["batch_size"]
-    assert record["seed"] == 0
-    assert record["diverged_in_epoch"] is None
+    assert json.loads((in_one_go / kind / "options.json").read_text())["diverged_in_epoch"] is None
 
 
 def test_a_trained_occnet_knows_how_many_points_it_encodes(in_one_go):
@@ -151,19 +165,19 @@ def test_the_log_has_the_columns_of_the_model(in_one_go):
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_run_that_diverges_keeps_the_weights_before_and_says_so(run, tmp_path, caplog, kind):
     poisoned = run(kind, tmp_path)
-    generator, take_step, kept = poisoned.learner.generator, poisoned.take_step, {}
+    generator, take_step, kept = poisoned.learner.generator, poisoned.learner.take_step, {}
 
-    def poison(draws):
-        losses = take_step(draws)
-        if poisoned.step == 1:  # the last of the first epoch
+    def poison(rows, step, *others):
+        losses = take_step(rows, step, *others)
+        if step == 1:  # the last of the first epoch
             kept.update({name: value.clone() for name, value in generator.state_dict().items()})
-        elif poisoned.step == 3:
+        elif step == 3:
             with torch.no_grad():
                 next(generator.parameters()).fill_(torch.nan)
         return losses
 
-    poisoned.take_step = poison
-    poisoned.run()
+    poisoned.learner.take_step = poison
+    finish(poisoned, kind)
     assert "diverged in epoch 2" in caplog.text
     assert json.loads((tmp_path / "options.json").read_text())["diverged_in_epoch"] == 2
     assert len(rows(tmp_path)) == 2
@@ -172,15 +186,82 @@ def test_a_run_that_diverges_keeps_the_weights_before_and_says_so(run, tmp_path,
 
 
 def test_an_infinite_loss_is_a_divergence_too(run, tmp_path):
-    run("occnet", tmp_path, learning_rate=1e30).run()
-    assert json.loads((tmp_path / "options.json").read_text())["diverged_in_epoch"] == 1
-    assert all(value.isfinite().all() for value in load_surface_model(tmp_path).state_dict().values())
+    subject = run("occnet", tmp_path)
+    take_step = subject.learner.take_step
+    subject.learner.take_step = lambda rows, step, *others: (
+        take_step(rows, step, *others) | ({"kl": float("inf")} if step == 5 else {})
+    )
+    finish(subject, "occnet")
+    assert json.loads((tmp_path / "options.json").read_text())["diverged_in_epoch"] == 3
+
+
+def test_a_first_epoch_that_diverges_is_an_error_and_nothing_is_saved(run, tmp_path):
+    with pytest.raises(UserError, match="diverged in its first epoch; lower learning_rate"):
+        finish(run("occnet", tmp_path, learning_rate=1e30), "occnet")
+    assert not (tmp_path / "weights.safetensors").exists()
 
 
 def test_each_epoch_takes_every_shape_once_in_parts_of_a_size(run, tmp_path):
-    subject, orders = run("shapegan-vae", tmp_path), []
-    for step in range(4):
-        subject.step = step
-        orders.append(subject._rows().tolist())
+    subject = run("shapegan-vae", tmp_path)
+    orders = [subject.rows(step).tolist() for step in range(4)]
     assert [len(part) for part in orders] == [2, 2, 2, 2]  # four shapes, three a batch at most
     assert sorted(orders[0] + orders[1]) == sorted(orders[2] + orders[3]) == [0, 1, 2, 3]
+
+
+class Counter(Learner):
+    """Counts steps; the weights are 1, those that are kept on average 7."""
+
+    losses = ("loss",)
+    data_digest = ""
+    shapes, epochs, batch_size = 5, 2, 2
+
+    def __init__(self):
+        self.generator = torch.nn.Linear(1, 1)
+        self.seen, self.finished = [], []
+        torch.nn.init.ones_(self.generator.weight)
+
+    def batches(self, order):
+        return order.split(self.batch_size)
+
+    def start(self, step, rows):
+        self.ahead = [rows(later).tolist() for later in range(step, 6)]
+
+    def take_step(self, rows, step, epoch, draws):
+        self.seen.append((rows.tolist(), step, epoch))
+        return {"loss": float(step)}
+
+    @contextmanager
+    def averaged(self):
+        torch.nn.init.constant_(self.generator.weight, 7)
+        yield
+        torch.nn.init.ones_(self.generator.weight)
+
+    def finish_epoch(self, epoch, last, folder):
+        self.finished.append((epoch, last, self.generator.weight.item()))
+        return {}
+
+    def finish(self):
+        self.finished.append(self.generator.weight.item())
+
+    def parts(self):
+        return {}
+
+
+def test_a_learner_cuts_epochs_reads_ahead_and_saves_its_averages(tmp_path):
+    learner, saved = Counter(), []
+    TrainingLoop(learner, tmp_path, 0, options={}).run(lambda **about: saved.append(about))
+    rows, steps, epochs = zip(*learner.seen, strict=True)
+    assert [len(part) for part in rows] == [2, 2, 1, 2, 2, 1]
+    assert list(rows) == learner.ahead
+    assert steps == (0, 1, 2, 3, 4, 5)
+    assert epochs == (0, 1 / 3, 2 / 3, 1, 4 / 3, 5 / 3)
+    assert learner.finished == [(1, False, 1), (2, True, 1), 7]
+    assert [about["diverged_in_epoch"] for about in saved] == [None]
+
+
+def test_the_numbers_of_a_step_depend_on_seed_and_step_alone():
+    first, same, other, later = (
+        torch.rand(3, generator=step_draws(*place)) for place in ((0, 4), (0, 4), (1, 4), (0, 5))
+    )
+    assert torch.equal(first, same)
+    assert not torch.equal(first, other) and not torch.equal(first, later)

@@ -6,7 +6,7 @@ import pytest
 @pytest.mark.parametrize(
     ("config", "words"),
     [
-        ("training={epoch: 3}", ["training.epoch", "did you mean 'epochs'"]),
+        ("training={tetgan: {epoch: 3}}", ["training.tetgan.epoch", "did you mean 'epochs'"]),
         ("grids={LR: {cells: 0, depth: 1}}", ["grids.LR.cells", "greater than or equal to 1"]),
         ("sampling={count: 3}", ["sampling", "called 'samples'"]),
         ("sources={chair: {kind: magic}}", ["sources.chair", "magic"]),

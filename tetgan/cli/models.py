@@ -19,7 +19,8 @@ def train(
     seed: Seed = 0,
     threads: Threads = 2,
     of: Annotated[
-        Path | None, typer.Option(help="Folder of the trained TetGAN that a `deftet` is built on.")
+        Path | None,
+        typer.Option(help="Folder of the trained model that this one is built on: a TetGAN for a `deftet`."),
     ] = None,
     processes: Annotated[
         int, typer.Option(min=0, help="Processes, each with a GPU, that share a TetGAN's batches; 0 means 1.")
@@ -30,9 +31,9 @@ def train(
     Example: `tetgan train index.json model --model '{kind: tetgan, grid: LR, width: 16, code: 32}'`
     """
     from tetgan.models.registry import ModelOptions, method_of
-    from tetgan.training.options import training_class
     from tetgan.training.processes import relaunch
     from tetgan.training.run import train_model
+    from tetgan.training.sections import training_class
 
     chosen = read_options(ModelOptions, model, "--model")
     options = read_options(training_class(chosen), training, "--training")
@@ -92,6 +93,7 @@ def sample(
     from tetgan.files import whole_folder
     from tetgan.meshing.options import MeshingOptions
     from tetgan.models.pack import find_model, index_beside
+    from tetgan.models.samples import sample_model
     from tetgan.solids.folder import CERTIFICATES
 
     chosen = MeshingOptions.parse(read_plain(options, "--options") | {"mode": mode}, "sample")

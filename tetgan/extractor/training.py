@@ -1,8 +1,6 @@
 """Training of the PointNet++ classifier on clouds of every category."""
 
 import hashlib
-import logging
-import math
 import shutil
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -32,9 +30,9 @@ from tetgan.extractor.options import ExtractorOptions
 from tetgan.files import whole_folder
 from tetgan.shapes.clouds import read_clouds
 from tetgan.training.checkpoint import run_digest
-from tetgan.training.learner import seeded
+from tetgan.training.learner import Learner, seeded
 from tetgan.training.log import Losses
-from tetgan.training.loop import TrainingLoop, step_draws
+from tetgan.training.loop import TrainingLoop
 
 CHUNK = 8
 """Clouds prepared or classified at once outside training; more only takes memory."""
@@ -104,13 +102,6 @@ def _prepare(parts: Sequence[Float[np.ndarray, "_ P 3"]], device: torch.device, 
     return LabelledClouds(torch.cat(points), levels, labels.to(device))
 
 
-_log = logging.getLogger(__name__)
-
-COLUMNS = ("epoch", "loss", "train_accuracy", "holdout_accuracy")
-
-CHECKPOINT_SECONDS = 120.0
-
-
 def train_classifier(
     clouds: Sequence[Path], categories: Sequence[str], options: ExtractorOptions, out_folder: Path
 ) -> None:
@@ -119,63 +110,73 @@ def train_classifier(
     Args:
         clouds: one file of clouds a category (`tetgan.shapes.clouds`).
         categories: their names, in the same order.
-        out_folder: receives `weights.safetensors`, `options.json` and `log.csv` (epoch, loss, train_accuracy,
-            holdout_accuracy), and unless a checkpoint is taken `events/` and `checkpoint.pt`, from which a
-            killed run goes on.
+        out_folder: receives `weights.safetensors`, `options.json` and `log.csv` (epoch, seconds, loss,
+            train_accuracy, holdout_accuracy), and unless a checkpoint is taken `events/` and `checkpoint.pt`,
+            from which a killed run goes on.
 
     Raises:
-        UserError: fewer than two categories, clouds too small, or a checkpoint of other categories.
+        UserError: fewer than two categories, clouds too small, a checkpoint of other categories, or a
+            training that diverges in its first epoch.
     """
     if len(categories) < 2:
         raise UserError("extractor: a classifier needs at least two categories; add sources")
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     train, holdout = read_splits(clouds, options, device)
     if options.checkpoint is None:
-        ClassifierTrainer(train, holdout, categories, options, out_folder).run()
+        _train(ClassifierLearner(train, holdout, len(categories), options), categories, out_folder)
         return
     with whole_folder(out_folder, "log.csv") as folder:
         _take_checkpoint(options.checkpoint, categories, holdout, folder)
 
 
-class ClassifierTrainer(TrainingLoop):
-    """A run of the classifier."""
+def _train(
+    learner: "ClassifierLearner",
+    categories: Sequence[str],
+    folder: Path,
+    checkpoint_seconds: float = 120.0,
+) -> None:
+    settings = learner.options.model_dump(mode="json")
+    loop = TrainingLoop(
+        learner,
+        folder,
+        learner.options.seed,
+        options={"training": settings, "categories": list(categories)},
+        checkpoint_seconds=checkpoint_seconds,
+    )
 
-    columns = COLUMNS
+    def save(**about: Any) -> None:
+        about |= {"categories": list(categories), "options": settings, **learner.validate()}
+        save_classifier(folder, learner.network, about)
+
+    loop.run(save)
+
+
+class ClassifierLearner(Learner):
+    """Adam on the cross-entropy of the classes."""
+
+    losses = ("loss", "train_accuracy", "holdout_accuracy")
 
     def __init__(
-        self,
-        train: LabelledClouds,
-        holdout: LabelledClouds,
-        categories: Sequence[str],
-        options: ExtractorOptions,
-        folder: Path,
-        *,
-        checkpoint_seconds: float = CHECKPOINT_SECONDS,
+        self, train: LabelledClouds, holdout: LabelledClouds, classes: int, options: ExtractorOptions
     ) -> None:
-        self.train, self.holdout, self.categories, self.options = train, holdout, categories, options
+        self.train, self.holdout, self.options = train, holdout, options
+        self.shapes, self.epochs, self.batch_size = len(train.labels), options.epochs, options.batch_size
+        self.data_digest = run_digest(train=train.digest, holdout=holdout.digest)
         with seeded(options.seed):
-            self.network = PointNet2(len(categories)).to(train.points.device)
+            self.generator = self.network = PointNet2(classes).to(train.points.device)
         self.norms = [module for module in self.network.modules() if isinstance(module, nn.BatchNorm1d)]
         self.optimizer = torch.optim.Adam(self.network.parameters(), weight_decay=options.weight_decay)
-        full, rest = divmod(len(train.labels), options.batch_size)
-        super().__init__(
-            folder,
-            options.seed,
-            epochs=options.epochs,
-            steps_per_epoch=full + (rest > 1),  # a last batch of one is left out, for batch norm needs two
-            checkpoint_seconds=checkpoint_seconds,
-            digests={
-                "options": run_digest(options=options.model_dump(mode="json"), categories=list(categories)),
-                "data": run_digest(train=train.digest, holdout=holdout.digest),
-            },
-        )
 
-    def take_step(self, draws: torch.Generator) -> Losses:
-        """One step of Adam on a batch; each epoch has an order of its own."""
-        options, (epoch, place) = self.options, divmod(self.step, self.steps_per_epoch)
-        rate = options.learning_rate * options.decay ** (epoch // options.decay_every)
+    def batches(self, order: Int[Tensor, "N"]) -> Sequence[Int[Tensor, "_B"]]:
+        """Full batches, and what is left over, unless that is one cloud: batch norm needs two."""
+        return [rows for rows in order.split(self.batch_size) if len(rows) > 1]
+
+    def take_step(self, rows: Int[Tensor, "B"], step: int, epoch: float, draws: torch.Generator) -> Losses:
+        """One step of Adam."""
+        options = self.options
+        rate = options.learning_rate * options.decay ** (int(epoch) // options.decay_every)
         self.optimizer.param_groups[0]["lr"] = rate
-        batch = self.train.pick(self._rows(epoch, place))
+        batch = self.train.pick(rows.to(self.train.labels.device))
         points = _turn(batch.points, draws) if options.rotate else batch.points
         self.network.train()
         for norm in self.norms:
@@ -189,32 +190,11 @@ class ClassifierTrainer(TrainingLoop):
         right = (scores.detach().argmax(1) == batch.labels).float().mean()
         return {"loss": loss.detach(), "train_accuracy": right}
 
-    def _rows(self, epoch: int, place: int) -> Int[Tensor, "B"]:
-        order = torch.randperm(len(self.train.labels), generator=step_draws(self.seed, self.steps + epoch))
-        size = self.options.batch_size
-        return order[place * size : (place + 1) * size].to(self.train.labels.device)
-
-    def finish_epoch(self, epoch: int) -> None:
-        """Measure the accuracy on the hold-out clouds.
-
-        Raises:
-            UserError: the training diverges.
-        """
-        row = self.log.finish_epoch(epoch, {"holdout_accuracy": accuracy(self.network, self.holdout)})
-        _log.info("epoch %d: %s", epoch, ", ".join(f"{name} {row[name]:.4f}" for name in COLUMNS[1:]))
-        if not math.isfinite(row["loss"]):
-            raise UserError(f"extractor: training diverged in epoch {epoch}; lower learning_rate")
+    def validate(self) -> dict[str, float]:
+        return {"holdout_accuracy": accuracy(self.network, self.holdout)}
 
     def parts(self) -> dict[str, Any]:
         return {"network": self.network, "optimizer": self.optimizer}
-
-    def save(self) -> None:
-        about = {
-            "categories": list(self.categories),
-            "holdout_accuracy": self.log.rows[-1]["holdout_accuracy"],
-            "options": self.options.model_dump(mode="json"),
-        }
-        save_classifier(self.folder, self.network, about)
 
 
 @torch.no_grad()
@@ -271,5 +251,5 @@ def _take_checkpoint(source: Path, categories: Sequence[str], holdout: LabelledC
     }
     save_classifier(folder, classifier.network, about)
     shutil.copyfile(Path(source) / "weights.safetensors", folder / "weights.safetensors")  # the same digest
-    row = {"epoch": 0, "loss": None, "train_accuracy": None, "holdout_accuracy": measured}
+    row = {"epoch": 0, "seconds": None, "loss": None, "train_accuracy": None, "holdout_accuracy": measured}
     pd.DataFrame([row]).to_csv(folder / "log.csv", index=False)

@@ -24,14 +24,14 @@ CPU = torch.device("cpu")
 
 
 def build_generator(
-    options: MethodOptions, hierarchy: GridHierarchy, of: MethodOptions | None = None
+    options: MethodOptions, hierarchy: GridHierarchy, of: FieldGenerator | None = None
 ) -> FieldGenerator:
     """An untrained model of fields; its weights are drawn from PyTorch's global generator.
 
     Args:
         of: the model that this one is built on, as a DefTet on a TetGAN.
     """
-    under = [] if of is None else [build_generator(of, hierarchy)]
+    under = [] if of is None else [of]
     model = method_of(options).load("build")(options, hierarchy, *under)
     assert isinstance(model, FieldGenerator), f"{options.kind}: no model of fields"
     return model
@@ -51,9 +51,10 @@ def save_generator(
     hierarchy: GridHierarchy | None = None,
     **further: Any,
 ) -> None:
-    """Write `options.json` (the model's, digest of its grid, device, what else is passed) and the weights.
+    """Write `options.json` (the model's, digest of its grid, device, all `further`) and the weights.
 
-    A model built on another writes that one's options as `of`; the weights hold both.
+    Of a model built on another, `of` holds `model` of that one's `options.json`, and `of` if it is built on a
+    third; the weights hold all of them.
     """
     grid = {"grid_digest": hierarchy.digest} if hierarchy else {}
     state = generator.state_dict()
@@ -69,6 +70,15 @@ def save_generator(
     weights = {name: value.detach().cpu().contiguous() for name, value in state.items()}
     with whole_file(folder / WEIGHTS) as partial:
         save_file(weights, partial)
+
+
+def load_record(folder: Path) -> dict[str, Any]:
+    """What the `options.json` of a trained model says.
+
+    Raises:
+        UserError: the folder holds no whole model.
+    """
+    return _read_model(folder)[0]
 
 
 def load_options(folder: Path) -> MethodOptions:
@@ -91,10 +101,16 @@ def load_generator(folder: Path, hierarchy: GridHierarchy) -> FieldGenerator:
         raise UserError(f"{folder}: a model of kind {options.kind}, which has no fields")
     if record.get("grid_digest") != hierarchy.digest:
         raise UserError(f"{folder}: trained on another grid; use the fields it was trained on")
-    of = parse_options(ModelOptions, record["of"], str(folder / OPTIONS)) if "of" in record else None
-    generator = build_generator(options, hierarchy, of)
+    generator = _rebuild(record, hierarchy, folder)
     generator.load_state_dict(weights)
     return generator.eval()
+
+
+def _rebuild(record: dict[str, Any], hierarchy: GridHierarchy, folder: Path) -> FieldGenerator:
+    """The untrained model of a record, on those that it is built on."""
+    options = parse_options(ModelOptions, record.get("model", {}), str(folder / OPTIONS))
+    of = _rebuild(record["of"], hierarchy, folder) if "of" in record else None
+    return build_generator(options, hierarchy, of)
 
 
 def load_surface_model(folder: Path) -> SurfaceModel:

@@ -17,9 +17,13 @@ class LatentModel(nn.Module, ABC):
     def latent_shape(self) -> tuple[int, ...]:
         """Shape of one latent."""
 
-    def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
-        """Draws of the prior, by default N(0, I); the same numbers on every device."""
-        return torch.randn(count, *self.latent_shape, generator=generator)
+    def draw_noise(self, generator: torch.Generator) -> Float[Tensor, "..."]:
+        """The random numbers behind one draw of the prior, on the CPU; standard normal by default."""
+        return torch.randn(self.latent_shape, generator=generator)
+
+    def from_noise(self, noise: Float[Tensor, "B ..."]) -> Float[Tensor, "B ..."]:
+        """Draws of the prior from such numbers, which are on the model's device; N(0, I) by default."""
+        return noise
 
 
 class FieldGenerator(LatentModel):

@@ -25,30 +25,34 @@ class Method:
     """A kind of model. `docs/extending.md` shows one of fields from its options to the table.
 
     Raises:
-        TypeError: the options lack a field that the pipeline reads.
+        TypeError: the options lack a field that the pipeline reads, or parts do not go together.
     """
 
     options: type[MethodOptions]
     """An entry of the config under `models`. Its `kind` is a `Literal` of one word, the name."""
 
     build: Reference | None = None
-    """From options and grid hierarchy an untrained `FieldGenerator`; from options alone a `SurfaceModel`, for
-    kinds that learn from a sampling. None: nothing is trained, as samples are made from another model's."""
+    """From options and grid hierarchy, and the model that it is built on if there is one, an untrained
+    `FieldGenerator`; from options alone a `SurfaceModel`, for kinds that learn from a sampling. None: nothing
+    is trained, as samples are made from another model's."""
 
     learner: Reference | None = None
-    """From options, training options, store and seed a `Learner`, which the common loop trains."""
+    """From options, training options, store and seed a `Learner`, which the training loop trains; it gets the
+    trained model that it is built on, if there is one, as `of`."""
 
-    train: Reference = "tetgan.training.loop:train_learner"
-    """From index, options, training options, seed and folder a trained model in the folder."""
+    train: Reference | None = None
+    """In place of a learner, for what is fitted at once: from index, options, training options, seed and
+    folder a trained model in the folder."""
 
     training: Reference = "tetgan.training.options:FieldTraining"
-    """Class of the training options."""
+    """Class of the training options, derived from `CommonTraining`."""
 
     sampling: Mapping[str, Any] | None = None
     """Options that a sampling must have to be learned from. None: the kind learns fields on a grid."""
 
     of: tuple[str, ...] = ()
-    """Kinds of which it needs a trained model on the same grid, which the option `of` names."""
+    """Kinds of which it needs a trained model on the same grid, which the option `of` names. For learners of
+    fields alone."""
 
     sizes: Reference = "tetgan.models.method:of_data"
     """From options, those of grid or sampling, and training options what `Config.reductions` compares;
@@ -60,15 +64,18 @@ class Method:
     shares_batches: bool = False
     """Whether several processes can train one model together."""
 
-    logged: bool = True
-    """Whether its training writes a log, of which there is a curve to draw."""
-
     def __post_init__(self) -> None:
         needed = {"kind"} | ({"of"} if self.of or not self.trained else set())
         if self.trained:
             needed.add("grid" if self.sampling is None else "sampling")
         for name in sorted(needed - set(self.options.model_fields)):
             raise TypeError(f"{self.options.__name__}: a model of this kind needs an option '{name}'")
+        if self.trained and (self.learner is None) == (self.train is None):
+            raise TypeError(f"{self.options.__name__}: name either a learner or, to fit at once, `train`")
+        if self.of and (self.learner is None or self.sampling is not None):
+            raise TypeError(
+                f"{self.options.__name__}: only a learner of fields can be built on another model"
+            )
         if len(get_args(self.options.model_fields["kind"].annotation)) != 1:
             raise TypeError(f"{self.options.__name__}.kind: a Literal of one word says the name of the kind")
 
@@ -86,6 +93,11 @@ class Method:
     def has_fields(self) -> bool:
         """Whether its shapes are fields on a grid, with interiors to show and latents to encode."""
         return self.trained and self.sampling is None
+
+    @property
+    def logged(self) -> bool:
+        """Whether its training writes a log, of which there is a curve to draw."""
+        return self.learner is not None
 
     @property
     def entry_points(self) -> list[str]:

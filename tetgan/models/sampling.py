@@ -9,11 +9,24 @@ from torch import Tensor
 
 from tetgan.fields.field import Field, VertexField
 from tetgan.fields.store import FieldStore
-from tetgan.models.generator import FieldGenerator
+from tetgan.models.generator import FieldGenerator, LatentModel
 from tetgan.models.iou import occupancy_iou
 from tetgan.nn.device import pick_device
 
 BATCH = 16
+
+
+def draw_latents(
+    model: LatentModel, count: int, seed: int, *, batch_size: int = BATCH, device: str = "auto"
+) -> Iterator[Float[Tensor, "_B ..."]]:
+    """Draws of the prior in batches, on the device; their random numbers depend on the seed alone."""
+    draws, where = torch.Generator().manual_seed(seed), pick_device(device)
+    model = model.to(where)
+    for start in range(0, count, batch_size):
+        noise = [model.draw_noise(draws) for _ in range(start, min(start + batch_size, count))]
+        with torch.inference_mode():
+            latents = model.from_noise(torch.stack(noise).to(where))
+        yield latents
 
 
 def generate_fields(
@@ -34,9 +47,10 @@ def generate_fields(
         ids = np.random.default_rng(seed).permutation(store.ids("train"))
         yield from (store.read(str(ids[number % len(ids)])) for number in range(count))
         return
-    draws = torch.Generator().manual_seed(seed)
-    latents = torch.cat([generator.sample_latent(1, draws) for _ in range(count)])
-    yield from decode_fields(generator, latents, store.max_displacement, batch_size=batch_size, device=device)
+    for latents in draw_latents(generator, count, seed, batch_size=batch_size, device=device):
+        yield from decode_fields(
+            generator, latents, store.max_displacement, batch_size=batch_size, device=device
+        )
 
 
 def reconstruct_fields(

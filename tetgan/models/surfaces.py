@@ -13,6 +13,7 @@ from tetgan.geometry.triangles import TriangleMesh
 from tetgan.meshing.marching import mise, voxel_surface
 from tetgan.models.generator import ImplicitGenerator, SurfaceModel, VoxelGenerator
 from tetgan.models.iou import occupancy_iou
+from tetgan.models.sampling import draw_latents
 from tetgan.nn.device import pick_device
 
 ENCODED = 2048
@@ -40,10 +41,8 @@ def generate_surfaces(
     model: SurfaceModel, extraction: Extraction | None, count: int, seed: int, *, device: str = "auto"
 ) -> Iterator[TriangleMesh]:
     """Decoded draws of the prior, without faces where a draw came out empty."""
-    draws = torch.Generator().manual_seed(seed)
-    model = model.to(pick_device(device))
-    for latent in [model.sample_latent(1, draws) for _ in range(count)]:
-        yield decode_surface(model, latent.to(pick_device(device)), extraction)
+    for latents in draw_latents(model, count, seed, device=device):
+        yield from (decode_surface(model, latent, extraction) for latent in latents.split(1))
 
 
 def reconstruct_surfaces(

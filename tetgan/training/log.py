@@ -11,12 +11,6 @@ from torch.utils.tensorboard import SummaryWriter
 
 from tetgan.files import whole_file
 
-COLUMNS = (
-    *("epoch", "seconds", "learning_rate", "kl_weight", "occupancy_loss", "displacement_loss", "kl"),
-    *("local_gap", "local_penalty", "global_gap", "global_penalty", "adversarial_loss"),
-    *("validation_iou", "validation_occupancy_loss", "validation_displacement_loss"),
-)
-
 Row = dict[str, float | int]
 
 Losses = dict[str, float | Tensor]
@@ -26,7 +20,7 @@ Losses = dict[str, float | Tensor]
 class RunLog:
     """Rows of finished epochs, and sums of the one under way; on disk too, if it `writes`."""
 
-    def __init__(self, folder: Path, columns: tuple[str, ...] = COLUMNS, writes: bool = True) -> None:
+    def __init__(self, folder: Path, columns: tuple[str, ...], writes: bool = True) -> None:
         self.folder, self.columns = folder, columns
         self.rows: list[Row] = []
         self.sums: dict[str, list[Any]] = defaultdict(lambda: [0.0, 0])
@@ -38,10 +32,16 @@ class RunLog:
             self.sums[name][0] += value.double() if isinstance(value, Tensor) else value
             self.sums[name][1] += 1
 
-    def finish_epoch(self, epoch: int, further: Row) -> Row:
+    def is_finite(self) -> bool:
+        """Whether the losses of the epoch under way are."""
+        return all(math.isfinite(value) for value in self._means().values())
+
+    def _means(self) -> dict[str, float]:
+        return {name: float(total) / count for name, (total, count) in self.sums.items()}
+
+    def finish_epoch(self, epoch: int, further: Row) -> None:
         """Close the epoch's row and write it; `further` are numbers that are not means over steps."""
-        means = {name: float(total) / count for name, (total, count) in self.sums.items()}
-        row: Row = {"epoch": epoch, **further, **means}
+        row: Row = {"epoch": epoch, **further, **self._means()}
         self.sums.clear()
         self.rows.append(row)
         if self._writer is not None:
@@ -49,7 +49,6 @@ class RunLog:
             for name in row.keys() - {"epoch"}:
                 self._writer.add_scalar(name, row[name], epoch)
             self._writer.flush()
-        return row
 
     def _write_csv(self) -> None:
         with whole_file(self.folder / "log.csv") as partial, partial.open("w", newline="") as stream:

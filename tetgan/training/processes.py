@@ -72,24 +72,28 @@ def own_rows(rows: int) -> slice:
     return shares(rows, 1)[0].rows
 
 
-@contextmanager
-def process_group(device: str) -> Iterator[torch.device]:
-    """The device of this process; under `torchrun`, with the processes joined.
-
-    Each of several processes has a GPU of its own. All but the first keep quiet.
-    """
+def own_device(device: str) -> torch.device:
+    """The device of this process; each of several has a GPU of its own."""
     chosen = pick_device(device)
+    if chosen.type == "cuda" and launched_together() > 1:
+        return torch.device("cuda", int(os.environ["LOCAL_RANK"]))
+    return chosen
+
+
+@contextmanager
+def process_group(device: str) -> Iterator[None]:
+    """Inside, the processes that `torchrun` started, if it did, are joined. All but the first keep quiet."""
     if launched_together() == 1:
-        yield chosen
+        yield
         return
+    chosen = own_device(device)
     if chosen.type == "cuda":
-        chosen = torch.device("cuda", int(os.environ["LOCAL_RANK"]))
         torch.cuda.set_device(chosen)
     distributed.init_process_group("nccl" if chosen.type == "cuda" else "gloo")
     if process_place() > 0:
         logging.disable(logging.WARNING)
     try:
-        yield chosen
+        yield
     finally:
         logging.disable(logging.NOTSET)
         distributed.destroy_process_group()

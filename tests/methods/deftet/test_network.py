@@ -108,7 +108,7 @@ def test_an_empty_and_a_full_cube_are_no_trouble(store, full):
 
 def test_a_saved_model_holds_both(store, tmp_path):
     model = build(store.hierarchy)
-    save_generator(tmp_path, model, OPTIONS, store.hierarchy, of=TETGAN.model_dump(mode="json"))
+    save_generator(tmp_path, model, OPTIONS, store.hierarchy, of={"model": TETGAN.model_dump(mode="json")})
     assert load_options(tmp_path) == OPTIONS
     loaded = load_generator(tmp_path, store.hierarchy)
     for one, other in zip(

@@ -19,7 +19,7 @@ from tetgan.fields.store import FieldStore
 from tetgan.methods.tetgan import training as trainer_module
 from tetgan.methods.tetgan.learner import TetganLearner
 from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
-from tetgan.methods.tetgan.training import Trainer
+from tetgan.methods.tetgan.training import TetganRun
 from tetgan.models.files import load_generator
 from tetgan.models.iou import occupancy_iou
 from tetgan.training.run import train_model
@@ -52,7 +52,7 @@ def rows(folder: Path) -> list[dict[str, str]]:
 
 def test_overfits_eight_shapes(index):
     options = TetganOptions.parse({"grid": "smoke", "width": 12, "code": 64})
-    run = Trainer(FieldStore.open(index), options, brief(learning_rate=3e-3, betas=[0.9, 0.99]), 0, Path())
+    run = TetganRun(options, brief(learning_rate=3e-3, betas=[0.9, 0.99]), FieldStore.open(index), 0)
     field = run.data.batch(torch.arange(8))
     for step in range(1, 401):
         run.learner.autoencoder_step(field, 0.0, torch.Generator().manual_seed(step))
@@ -61,9 +61,9 @@ def test_overfits_eight_shapes(index):
     pytest.fail(f"IoU {iou:.3f} after 400 steps")
 
 
-def reconstruction_iou(run: Trainer, field: torch.Tensor) -> float:
+def reconstruction_iou(run: TetganRun, field: torch.Tensor) -> float:
     with torch.no_grad():
-        decoded = run.learner.generator.decode(run.learner.generator.encode(field))
+        decoded = run.generator.decode(run.generator.encode(field))
     return float(occupancy_iou(decoded[..., 0].numpy() > 0, field[..., 0].numpy() > 0.5).mean())
 
 
@@ -88,7 +88,7 @@ def in_one_go(tiny_index, tmp_path_factory) -> Path:
 
 def test_another_seed_starts_elsewhere(tiny_index):
     store = FieldStore.open(tiny_index)
-    first, second = (Trainer(store, SMALL, brief(), seed, Path()).learner.generator for seed in (0, 1))
+    first, second = (TetganRun(SMALL, brief(), store, seed).generator for seed in (0, 1))
     assert not torch.equal(first.head.mean.weight, second.head.mean.weight)
 
 
@@ -98,7 +98,7 @@ def test_the_same_seed_gives_the_same_bytes(tiny_index, in_one_go, tmp_path):
 
 
 class Killed(BaseException):
-    """A stand-in for a kill: the trainer has no chance to tidy up after it."""
+    """A stand-in for a kill: the loop has no chance to tidy up after it."""
 
 
 @pytest.mark.parametrize("step", [4, 5])
@@ -107,15 +107,15 @@ def test_a_run_that_was_stopped_ends_like_one_that_was_not(
 ):
     # Two steps an epoch: 4 is between two epochs, 5 inside one.
     options = brief(**WITH_CRITICS, checkpoint_seconds=0)
-    take_step = Trainer._take_step
+    take_step = TetganRun.take_step
 
-    def stop(self):
-        if self.step == step:
+    def stop(self, rows, at, *others):
+        if at == step:
             raise Killed
-        take_step(self)
+        return take_step(self, rows, at, *others)
 
     with monkeypatch.context() as patch, pytest.raises(Killed):
-        patch.setattr(Trainer, "_take_step", stop)
+        patch.setattr(TetganRun, "take_step", stop)
         train_model(tiny_index, SMALL, options, 0, tmp_path)
     assert not (tmp_path / "weights.safetensors").exists()
     train_model(tiny_index, SMALL, options, 0, tmp_path)
@@ -205,6 +205,31 @@ def test_the_log_and_the_options_tell_the_run(tiny_index, in_one_go):
     assert load_generator(in_one_go, FieldStore.open(tiny_index).hierarchy).latent_shape == (8,)
 
 
-def test_divergence_is_an_error_a_person_can_read(tiny_index, tmp_path):
-    with pytest.raises(UserError, match="diverged"):
+def test_divergence_at_once_is_an_error_a_person_can_read(tiny_index, tmp_path):
+    with pytest.raises(UserError, match="diverged in its first epoch; lower learning_rate"):
         train_model(tiny_index, SMALL, brief(learning_rate=1e30, adversarial_start=1), 0, tmp_path)
+
+
+def test_after_a_later_divergence_the_averages_of_the_epoch_before_are_kept(
+    tiny_index, tmp_path, monkeypatch
+):
+    model = SMALL.model_copy(update={"prior": "fitted"})
+    training = brief(adversarial_start=1)
+    take_step, kept = TetganRun.take_step, {}
+
+    def poison(self, rows, step, *others):
+        if step == 4:  # the first of the third epoch
+            with self.averaged():
+                kept.update({name: value.clone() for name, value in self.generator.state_dict().items()})
+            with torch.no_grad():
+                next(self.generator.parameters()).fill_(torch.nan)
+        return take_step(self, rows, step, *others)
+
+    monkeypatch.setattr(TetganRun, "take_step", poison)
+    train_model(tiny_index, model, training, 0, tmp_path)
+    assert json.loads((tmp_path / "options.json").read_text())["diverged_in_epoch"] == 3
+    loaded = load_generator(tmp_path, FieldStore.open(tiny_index).hierarchy).state_dict()
+    for name, value in kept.items():
+        assert torch.equal(loaded[name], value) != name.startswith("prior"), (
+            name
+        )  # which is fitted at the end

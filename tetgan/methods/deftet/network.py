@@ -127,8 +127,11 @@ class DeftetGenerator(FieldGenerator):
     def latent_shape(self) -> tuple[int, ...]:
         return self.of.latent_shape
 
-    def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
-        return self.of.sample_latent(count, generator)
+    def draw_noise(self, generator: torch.Generator) -> Float[Tensor, "..."]:
+        return self.of.draw_noise(generator)
+
+    def from_noise(self, noise: Float[Tensor, "B ..."]) -> Float[Tensor, "B ..."]:
+        return self.of.from_noise(noise)
 
     def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
         return self.of.encode(field)

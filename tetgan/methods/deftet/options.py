@@ -4,7 +4,9 @@ from typing import Any, Literal
 
 from pydantic import Field
 
-from tetgan.models.method import Method, MethodOptions
+from tetgan.grids.options import GridOptions
+from tetgan.models.method import Method, MethodOptions, Size, Sizes, of_data
+from tetgan.training.options import CommonTraining
 
 
 class DeftetOptions(MethodOptions):
@@ -20,11 +22,35 @@ class DeftetOptions(MethodOptions):
     )
 
 
+def sizes(options: DeftetOptions, grid: GridOptions, training: Any) -> Sizes:
+    """The length of its own training, as long as the paper's of TetGAN."""
+    return of_data(options, grid, training) | {
+        "epochs": Size(training.epochs, 100),
+        "batch": Size(training.batch_size, 30),
+    }
+
+
+class DeftetTraining(CommonTraining):
+    """DefTet: Adam on squared errors of vertex displacements."""
+
+    epochs: int = Field(100, ge=1, description="passes over the training split")
+    batch_size: int = Field(30, ge=1, description="shapes a step")
+    learning_rate: float = Field(1e-4, gt=0, description="Adam's step size")
+    betas: tuple[float, float] = Field((0.0, 0.9), description="Adam's decay rates of the two moments")
+    decay: Literal["constant", "cosine"] = Field(
+        "constant", description="course of the step size: constant, or a half cosine down to a hundredth"
+    )
+    ema: float | None = Field(
+        None, gt=0, lt=1, description="decay of the running mean of the weights that is kept; empty: none"
+    )
+
+
 METHOD = Method(
     DeftetOptions,
     build="tetgan.methods.deftet.network:DeftetGenerator",
-    train="tetgan.methods.deftet.training:train_deftet",
-    training="tetgan.methods.tetgan.options:TetganTraining",
+    learner="tetgan.methods.deftet.training:DeftetLearner",
+    training=DeftetTraining,
     of=("tetgan",),
+    sizes=sizes,
     one_mode=True,
 )

@@ -13,12 +13,14 @@ from tetgan.methods.occnet.options import OccNetOptions, OccNetTraining
 from tetgan.models.iou import occupancy_iou
 from tetgan.nn.device import pick_device
 from tetgan.training.data import PointData, PointSource
-from tetgan.training.learner import seeded
+from tetgan.training.learner import Learner, seeded
 from tetgan.training.log import Losses
 
 
-class OccNetLearner:
+class OccNetLearner(Learner):
     """A variational autoencoder: Adam on the evidence bound of the occupancy at random points."""
+
+    generator: OccNetGenerator
 
     losses = ("reconstruction_loss", "kl", "validation_iou", "validation_accuracy")
 
@@ -26,20 +28,14 @@ class OccNetLearner:
         self, options: OccNetOptions, training: OccNetTraining, store: PointSource, seed: int
     ) -> None:
         self.training, self.device = training, pick_device(training.device)
+        self.epochs, self.batch_size = training.epochs, training.batch_size
         self.data_digest = store.digest
         self.data, self.held_out = PointData(store, "train"), PointData(store, "validation")
+        self.shapes = len(self.data)
         with seeded(seed):
             self.generator = OccNetGenerator(options).to(self.device)
         self.generator.encoded.fill_(training.points)
         self.optimizer = torch.optim.Adam(self.generator.parameters(), training.learning_rate)
-
-    @property
-    def shapes(self) -> int:
-        return len(self.data)
-
-    @property
-    def epochs(self) -> int:
-        return self.training.epochs
 
     def take_step(self, rows: Int[Tensor, "B"], step: int, epoch: float, draws: torch.Generator) -> Losses:
         """One step on random points, which are both encoded and decoded."""
@@ -59,7 +55,7 @@ class OccNetLearner:
         if len(self.held_out) == 0:
             return {}
         ious, right = [], []
-        for rows in torch.arange(len(self.held_out)).split(self.training.batch_size):
+        for rows in torch.arange(len(self.held_out)).split(self.batch_size):
             data = self.held_out.first(rows, self.training.points, self.device)
             values = self.generator.value(self.generator.encode(data), data[..., :3])
             decoded, true = (values > self.generator.level).cpu().numpy(), data[..., 3].cpu().numpy() > 0.5

@@ -17,6 +17,5 @@ class RepresentationOptions(MethodOptions):
 METHOD = Method(
     RepresentationOptions,
     build="tetgan.methods.representation.network:RepresentationGenerator",
-    train="tetgan.training.fit:fit_model",
-    logged=False,
+    train="tetgan.training.run:fit_model",
 )

@@ -14,15 +14,17 @@ from tetgan.methods.shapegan.network import RESOLUTIONS, ShapeGanGenerator, Voxe
 from tetgan.methods.shapegan.options import ShapeGanOptions, ShapeGanTraining
 from tetgan.nn.device import pick_device
 from tetgan.training.data import VoxelData, VoxelSource
-from tetgan.training.learner import seeded
+from tetgan.training.learner import Learner, seeded
 from tetgan.training.log import Losses
 from tetgan.training.losses import gradient_penalty
 
 POINTS = 2**15  # that the generator answers at a time; more only takes memory
 
 
-class ShapeGanLearner:
+class ShapeGanLearner(Learner):
     """WGAN-GP by RMSprop, from 8³ voxels up to the resolution of the data."""
+
+    generator: ShapeGanGenerator
 
     losses = ("resolution", "fade", "gap", "penalty", "adversarial_loss")
 
@@ -33,19 +35,13 @@ class ShapeGanLearner:
         self.data_digest = store.digest
         self.data = VoxelData(store, "train")
         self.stages = stages(self.data.resolution, training.epochs)
+        self.epochs, self.batch_size = sum(epochs for _, epochs in self.stages), training.batch_size
+        self.shapes = len(self.data)
         with seeded(seed):
             self.generator = ShapeGanGenerator(options).to(self.device)
             self.critic = VoxelCritic().to(self.device)
         self.optimizer = torch.optim.RMSprop(self.generator.parameters(), training.learning_rate)
         self.critic_optimizer = torch.optim.RMSprop(self.critic.parameters(), training.learning_rate)
-
-    @property
-    def shapes(self) -> int:
-        return len(self.data)
-
-    @property
-    def epochs(self) -> int:
-        return sum(epochs for _, epochs in self.stages)
 
     def take_step(self, rows: Int[Tensor, "B"], step: int, epoch: float, draws: torch.Generator) -> Losses:
         """One step of the critic, and every few of them one of the generator."""
@@ -80,7 +76,7 @@ class ShapeGanLearner:
 
     def _fake(self, count: int, resolution: int, draws: torch.Generator) -> Float[Tensor, "B R R R"]:
         """Generated voxels. For a gradient the network is evaluated twice rather than all of it kept."""
-        latents = self.generator.sample_latent(count, draws).to(self.device)
+        latents = torch.randn(count, *self.generator.latent_shape, generator=draws).to(self.device)
         points = torch.from_numpy(cell_centres(resolution).reshape(-1, 3)).float().to(self.device)
         shapes = [
             checkpoint(self._distances, some, points, use_reentrant=False, preserve_rng_state=False)
@@ -90,9 +86,6 @@ class ShapeGanLearner:
 
     def _distances(self, latents: Float[Tensor, "B Z"], points: Float[Tensor, "N 3"]) -> Float[Tensor, "B N"]:
         return self.generator.clamped_distance(latents, points.expand(len(latents), -1, -1))
-
-    def validate(self) -> dict[str, float]:
-        return {}
 
     def parts(self) -> dict[str, Any]:
         return {

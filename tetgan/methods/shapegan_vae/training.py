@@ -13,13 +13,15 @@ from tetgan.methods.shapegan_vae.options import ShapeGanVaeOptions, ShapeGanVaeT
 from tetgan.models.iou import occupancy_iou
 from tetgan.nn.device import pick_device
 from tetgan.training.data import VoxelData, VoxelSource
-from tetgan.training.learner import seeded
+from tetgan.training.learner import Learner, seeded
 from tetgan.training.log import Losses
 from tetgan.training.losses import kl_divergence
 
 
-class ShapeGanVaeLearner:
+class ShapeGanVaeLearner(Learner):
     """A variational autoencoder: Adam on absolute differences of signed distance, and the KL divergence."""
+
+    generator: ShapeGanVae
 
     losses = ("reconstruction_loss", "kl", "validation_iou", "validation_difference")
 
@@ -27,8 +29,10 @@ class ShapeGanVaeLearner:
         self, options: ShapeGanVaeOptions, training: ShapeGanVaeTraining, store: VoxelSource, seed: int
     ) -> None:
         self.training, self.device = training, pick_device(training.device)
+        self.epochs, self.batch_size = training.epochs, training.batch_size
         self.data_digest = store.digest
         self.data, self.held_out = VoxelData(store, "train"), VoxelData(store, "validation")
+        self.shapes = len(self.data)
         self._check()
         with seeded(seed):
             self.generator = ShapeGanVae(options).to(self.device)
@@ -42,14 +46,6 @@ class ShapeGanVaeLearner:
             )
         if len(self.data) < 2:
             raise UserError("shapegan-vae: batch norm needs two training shapes at least; add shapes")
-
-    @property
-    def shapes(self) -> int:
-        return len(self.data)
-
-    @property
-    def epochs(self) -> int:
-        return self.training.epochs
 
     def take_step(self, rows: Int[Tensor, "B"], step: int, epoch: float, draws: torch.Generator) -> Losses:
         """Encode, draw from the posterior, decode, compare."""
@@ -72,7 +68,7 @@ class ShapeGanVaeLearner:
             return {}
         self.generator.eval()
         ious, differences = [], []
-        for rows in torch.arange(len(self.held_out)).split(self.training.batch_size):
+        for rows in torch.arange(len(self.held_out)).split(self.batch_size):
             voxels = self.held_out.batch(rows, self.device)
             decoded = self.generator.decode(self.generator.posterior(voxels)[0])
             inside = ((part < 0).flatten(1).cpu().numpy() for part in (decoded, voxels))

@@ -22,4 +22,4 @@ def sizes(options: SimplifiedOptions, data: None, training: None) -> Sizes:
     return {"faces": Size(options.faces, 5500)}
 
 
-METHOD = Method(SimplifiedOptions, sizes=sizes, logged=False)
+METHOD = Method(SimplifiedOptions, sizes=sizes)

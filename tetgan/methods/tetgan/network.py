@@ -235,9 +235,20 @@ class TetganGenerator(FieldGenerator):
         return self.head.latent_shape
 
     def sample_latent(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
+        """Draws of the prior for a step of training, whose numbers depend on `count`."""
         if self.prior is None:
-            return super().sample_latent(count, generator)
+            return torch.randn(count, *self.latent_shape, generator=generator)
         return self.prior.sample(count, generator)
+
+    def draw_noise(self, generator: torch.Generator) -> Float[Tensor, "..."]:
+        if self.prior is None:
+            return super().draw_noise(generator)
+        return self.prior.draw_noise(generator)
+
+    def from_noise(self, noise: Float[Tensor, "B ..."]) -> Float[Tensor, "B ..."]:
+        if self.prior is None:
+            return super().from_noise(noise)
+        return self.prior.from_noise(noise)
 
     def encode(self, field: Float[Tensor, "B T 4"]) -> Float[Tensor, "B ..."]:
         return self.posterior(field)[0]

@@ -1,12 +1,12 @@
 """Options of TetGAN and of its training, without torch. The defaults are the paper's."""
 
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from tetgan.grids.options import GridOptions
 from tetgan.models.method import Choice, Method, MethodOptions, Size, Sizes, of_data
-from tetgan.options import Options
+from tetgan.training.options import CommonTraining
 
 
 class TetganOptions(MethodOptions):
@@ -68,8 +68,12 @@ def sizes(options: TetganOptions, grid: GridOptions, training: Any) -> Sizes:
     }
 
 
-class TetganTraining(Options):
-    """Losses, schedule and optimiser of one training run."""
+class TetganTraining(CommonTraining):
+    """TetGAN: losses, schedule and optimisers."""
+
+    may_change: ClassVar[frozenset[str]] = CommonTraining.may_change | {
+        *("accumulate", "checkpointing", "fields", "picture_every")
+    }
 
     epochs: int = Field(100, ge=1, description="passes over the training split")
     batch_size: int = Field(30, ge=1, description="shapes a step")
@@ -120,9 +124,6 @@ class TetganTraining(Options):
     ema: float | None = Field(
         None, gt=0, lt=1, description="decay of the running mean of the weights that is kept; empty: none"
     )
-    device: Literal["auto", "cpu", "cuda"] = Field(
-        "auto", description="where to train; auto: CUDA if present"
-    )
     precision: Literal["fp32", "bf16"] = Field(
         "fp32",
         description="number format of the networks; bf16 leaves statistics, losses and the penalty in "
@@ -140,15 +141,13 @@ class TetganTraining(Options):
         description="fields stay in the device's memory (resident) or are read from disk ahead of use "
         "(streamed); auto: resident where they take up a quarter of that memory at most",
     )
-    validate_every: int = Field(10, ge=1, description="epochs between two validation rows of the log")
     picture_every: int = Field(50, ge=1, description="epochs between two pictures of decoded shapes")
-    checkpoint_seconds: float = Field(120.0, ge=0, description="least time between two checkpoints")
 
 
 METHOD = Method(
     TetganOptions,
     build="tetgan.methods.tetgan.network:TetganGenerator",
-    train="tetgan.methods.tetgan.training:train_tetgan",
+    learner="tetgan.methods.tetgan.training:TetganRun",
     training=TetganTraining,
     sizes=sizes,
     shares_batches=True,

@@ -40,7 +40,18 @@ class FittedPrior(nn.Module):
 
     def sample(self, count: int, generator: torch.Generator) -> Float[Tensor, "B ..."]:
         """Draws on the device of this module, of numbers from the CPU so that they do not depend on it."""
-        device = self.mean.device
-        together = torch.randn(count, RANK, generator=generator).to(device) @ self.directions
-        apart = torch.randn(count, len(self.mean), generator=generator).to(device) * self.noise
-        return (self.mean + together + apart).view(count, *self.latent_shape)
+        together = torch.randn(count, RANK, generator=generator)
+        apart = torch.randn(count, len(self.mean), generator=generator)
+        return self._placed(together.to(self.mean.device), apart.to(self.mean.device))
+
+    def draw_noise(self, generator: torch.Generator) -> Float[Tensor, "N"]:
+        """The numbers behind one draw: of the directions, then of each element by itself."""
+        return torch.cat([torch.randn(part, generator=generator) for part in (RANK, len(self.mean))])
+
+    def from_noise(self, noise: Float[Tensor, "B N"]) -> Float[Tensor, "B ..."]:
+        """Draws from such numbers, on the device of this module."""
+        return self._placed(noise[:, :RANK], noise[:, RANK:])
+
+    def _placed(self, together: Float[Tensor, "B R"], apart: Float[Tensor, "B Z"]) -> Float[Tensor, "B ..."]:
+        codes = self.mean + together @ self.directions + apart * self.noise
+        return codes.view(-1, *self.latent_shape)

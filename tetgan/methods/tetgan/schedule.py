@@ -1,6 +1,7 @@
 """Schedules over a run: KL weight, step size, head start, adversarial rounds."""
 
 import math
+from typing import Literal
 
 from tetgan.methods.tetgan.options import TetganTraining
 
@@ -12,9 +13,9 @@ def kl_weight(shapes: int, options: TetganTraining) -> float:
     return options.kl_weight * (1 - 0.99 * options.kl_decay ** (shapes / EPOCH_SHAPES))
 
 
-def rate_factor(progress: float, options: TetganTraining) -> float:
-    """Factor of the autoencoder's step size at `progress` (0 to 1) through the run."""
-    if options.decay == "constant":
+def rate_factor(progress: float, decay: Literal["constant", "cosine"]) -> float:
+    """Factor of a step size at `progress` (0 to 1) through the run."""
+    if decay == "constant":
         return 1.0
     return 0.01 + 0.99 * (1 + math.cos(math.pi * progress)) / 2
 
