@@ -29,6 +29,7 @@ from torch.utils._pytree import tree_leaves
 
 from tetgan.fields.field import vertex_operator
 from tetgan.grids.hierarchy import GridHierarchy, build_hierarchy
+from tetgan.methods.tetgan.learner import TetganLearner
 from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
 from tetgan.nn import norm
 from tetgan.nn.conv import SLOTS
@@ -133,7 +134,7 @@ def iteration_cost(
     with _computed() if device == "computed" else nullcontext() as counted:
         where = torch.device("cpu" if counted else device)
         operator = vertex_operator(hierarchy.finest)
-        learner = Learner(options, training, hierarchy, operator, seed=0, device=where)
+        learner = TetganLearner(options, training, hierarchy, operator, seed=0, device=where)
         field = torch.rand(training.batch_size, len(hierarchy.finest.tets), 4, device=where)
         field[..., 0].round_()
         if counted:
@@ -156,7 +157,7 @@ def _computed() -> Iterator[tuple[LiveBytes, Outputs]]:
         yield live, products
 
 
-def _measured(learner: Learner, field: Tensor) -> Cost:
+def _measured(learner: TetganLearner, field: Tensor) -> Cost:
     """On a GPU: the second of two iterations."""
     torch.cuda.reset_peak_memory_stats()
     for _ in range(2):
@@ -167,7 +168,7 @@ def _measured(learner: Learner, field: Tensor) -> Cost:
     return Cost(torch.cuda.max_memory_allocated() / 1e9, time.perf_counter() - start)
 
 
-def _iterate(learner: Learner, field: Tensor, draws: Any) -> None:
+def _iterate(learner: TetganLearner, field: Tensor, draws: Any) -> None:
     learner.autoencoder_step(field, 0.5, draws)
     learner.critic_step(field, draws)
     learner.adversarial_step(len(field), draws)

@@ -15,6 +15,7 @@ from torch.nn import functional
 
 from tetgan.grids.hierarchy import GridHierarchy, upsampling_weights
 from tetgan.methods.tetgan.critics import GlobalCritic, LocalCritic
+from tetgan.methods.tetgan.learner import TetganLearner
 from tetgan.methods.tetgan.network import TetganGenerator
 from tetgan.nn.conv import TetConv
 from tetgan.nn.norm import SLOPE, TetInstanceNorm
@@ -132,10 +133,16 @@ class NaiveGlobalCritic(nn.Module):
         return self.score(self.layers(field).flatten(1)).squeeze(1)
 
 
-class NaiveLearner:
-    """The three kinds of step, with the signatures of `Learner` and the random numbers in the same order."""
+def _adam(module: nn.Module, rate: float, betas: tuple[float, float]) -> torch.optim.Adam:
+    return torch.optim.Adam(module.parameters(), rate, betas=betas, foreach=False, fused=False)
 
-    def __init__(self, ours: Learner, hierarchy: GridHierarchy, vertex_operator: sparse.csr_array) -> None:
+
+class NaiveLearner:
+    """The three kinds of step, with the signatures and the random numbers of `TetganLearner`."""
+
+    def __init__(
+        self, ours: TetganLearner, hierarchy: GridHierarchy, vertex_operator: sparse.csr_array
+    ) -> None:
         self.options = ours.training
         self.generator = NaiveGenerator(ours.generator, hierarchy)
         self.critics = nn.ModuleDict(
@@ -152,13 +159,10 @@ class NaiveLearner:
             check_invariants=True,
         ).coalesce()
         self.latent_shape = ours.generator.latent_shape
-        self.optimizer = self._adam(self.generator, self.options.learning_rate)
-        self.critic_optimizer = self._adam(self.critics, self.options.critic_learning_rate)
-
-    def _adam(self, module: nn.Module, rate: float) -> torch.optim.Adam:
-        return torch.optim.Adam(
-            module.parameters(), rate, betas=self.options.betas, foreach=False, fused=False
-        )
+        options = self.options
+        self.optimizer = _adam(self.generator, options.learning_rate, options.betas)
+        self.adversarial_optimizer = _adam(self.generator, options.learning_rate, options.adversarial_betas)
+        self.critic_optimizer = _adam(self.critics, options.critic_learning_rate, options.betas)
 
     def autoencoder_step(self, field: Tensor, kl_weight: float, draws: torch.Generator) -> dict[str, float]:
         noise = torch.randn(len(field), *self.latent_shape, generator=draws)
@@ -194,7 +198,7 @@ class NaiveLearner:
         fake, total = self._fake(count, draws), torch.zeros(())
         for name, critic in self.critics.items():
             total = total - getattr(self.options, f"{name}_weight") * critic(fake).mean()
-        self._step(self.optimizer, total)
+        self._step(self.adversarial_optimizer, total)
         return {"adversarial_loss": total.item()}
 
     def _fake(self, count: int, draws: torch.Generator) -> Tensor:

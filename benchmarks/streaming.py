@@ -21,6 +21,7 @@ from tetgan.fields.field import Field, vertex_operator
 from tetgan.fields.store import FieldStore, index_fields, write_shard
 from tetgan.grids.hierarchy import build_hierarchy
 from tetgan.grids.options import GridOptions
+from tetgan.methods.tetgan.learner import TetganLearner
 from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
 from tetgan.training.data import StreamedFields
 from tetgan.training.loop import step_draws
@@ -87,7 +88,7 @@ def train(store: FieldStore, batch: int, width: int, device: str) -> Found:
     training = TetganTraining.parse({"batch_size": batch})
     operator = vertex_operator(store.hierarchy.finest)
     where = torch.device(device)
-    learner = Learner(options, training, store.hierarchy, operator, seed=0, device=where)
+    learner = TetganLearner(options, training, store.hierarchy, operator, seed=0, device=where)
     fields = StreamedFields(store, "train", where)
     plan = torch.arange(len(fields)).repeat(2).split(batch)
     waited, start, batches = 0.0, 0.0, fields.batches(plan)

@@ -13,7 +13,8 @@ from tetgan.files import whole_file
 
 COLUMNS = (
     *("epoch", "seconds", "learning_rate", "kl_weight", "occupancy_loss", "displacement_loss", "kl"),
-    *("local_gap", "local_penalty", "global_gap", "global_penalty", "adversarial_loss"),
+    *("local_gap", "local_penalty", "global_gap", "global_penalty"),
+    *("adversarial_loss", "adversarial_ratio"),
     *("validation_iou", "validation_occupancy_loss", "validation_displacement_loss"),
 )
 

@@ -73,6 +73,81 @@ def test_an_adversarial_step_moves_the_decoder_alone():
     assert all(p.requires_grad for p in subject.critics.parameters())
 
 
+def flat(tensors) -> torch.Tensor:
+    return torch.cat([tensor.detach().flatten() for tensor in tensors])
+
+
+def weights(subject: TetganLearner) -> torch.Tensor:
+    return flat(subject.generator.parameters())
+
+
+def adversarial_gradient(subject: TetganLearner, draws: torch.Generator) -> tuple[torch.Tensor, ...]:
+    """Of the weighted scores of four decoded draws, written out; zero where a weight is not in it."""
+    codes = torch.randn(4, *subject.generator.latent_shape, generator=draws)
+    decoded = subject.generator.decode(codes)
+    fake = torch.cat([decoded[..., :1].sigmoid(), decoded[..., 1:]], dim=-1)
+    loss = -sum(
+        getattr(subject.training, f"{name}_weight") * critic(fake).mean()
+        for name, critic in subject.critics.items()
+    )
+    return torch.autograd.grad(loss, list(subject.generator.parameters()), materialize_grads=True)
+
+
+def cosine(first: torch.Tensor, second: torch.Tensor) -> float:
+    return float(torch.cosine_similarity(first, second, dim=0))
+
+
+@pytest.mark.parametrize("betas", [(0.0, 0.9), (0.5, 0.99)])
+def test_adversarial_steps_follow_the_adversarial_gradient(field, betas):
+    """Between autoencoder steps of large momentum they are those of an Adam that sees nothing else.
+
+    Compared as updates, because Adam divides each element of a gradient by its usual size.
+    """
+    subject = learner(betas=(0.9, 0.99), adversarial_betas=betas, learning_rate=1e-3)
+    alone = [torch.zeros_like(p, requires_grad=True) for p in subject.generator.parameters()]
+    reference = torch.optim.Adam(alone, 1e-3, betas=betas)
+    for turn in range(3):
+        for step in range(5):
+            subject.autoencoder_step(field, 0.1, step_draws(turn, step))
+        subject.critic_step(field, step_draws(turn, 8))
+        gradients = adversarial_gradient(subject, step_draws(turn, 9))
+        for parameter, gradient in zip(alone, gradients, strict=True):
+            parameter.grad = gradient
+        before, reference_before = weights(subject), flat(alone)
+        subject.adversarial_step(4, step_draws(turn, 9))
+        reference.step()
+        moved_by = weights(subject) - before
+        assert cosine(moved_by, flat(alone) - reference_before) > 0.99
+        momentum = [subject.optimizer.state[p]["exp_avg"] for p in subject.generator.parameters()]
+        assert abs(cosine(moved_by, flat(momentum))) < 0.3
+
+
+def test_both_optimisers_of_the_generator_follow_the_schedule():
+    sizes = []
+    for factor in (1.0, 0.01):
+        subject = learner()
+        subject.set_rate(factor)
+        before = weights(subject)
+        subject.adversarial_step(4, step_draws(0, 0))
+        sizes.append(float((weights(subject) - before).abs().max()))
+    # A first step of Adam is as long as the rate in each element, up to the rounding of the weights.
+    assert sizes == pytest.approx([1e-2, 1e-4], rel=1e-2)
+
+
+def test_the_ratio_is_that_of_the_decoder_s_gradients(field):
+    subject = learner()
+    own = [*subject.generator.head.expand.parameters(), *subject.generator.decoder.parameters()]
+
+    def norm() -> float:
+        return float(flat(p.grad for p in own).norm())
+
+    assert "adversarial_ratio" not in subject.adversarial_step(4, step_draws(0, 0))
+    subject.autoencoder_step(field, 0.1, step_draws(0, 1))
+    autoencoder = norm()
+    losses = subject.adversarial_step(4, step_draws(0, 2))
+    assert float(losses["adversarial_ratio"]) == pytest.approx(norm() / autoencoder, rel=1e-5)
+
+
 def test_critics_learn_to_score_real_fields_higher(field):
     subject = learner(gradient_penalty=1.0)
     gaps = [subject.critic_step(field, step_draws(0, step)) for step in range(30)]

@@ -75,7 +75,12 @@ class TetganTraining(Options):
     batch_size: int = Field(30, ge=1, description="shapes a step")
     learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for the autoencoder")
     critic_learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for both critics")
-    betas: tuple[float, float] = Field((0.0, 0.9), description="Adam's decay rates of the two moments")
+    betas: tuple[float, float] = Field(
+        (0.0, 0.9), description="decay rates of the two moments of Adam, for the autoencoder and the critics"
+    )
+    adversarial_betas: tuple[float, float] = Field(
+        (0.0, 0.9), description="the same for the adversarial steps, which have moments of their own"
+    )
     decay: Literal["constant", "cosine"] = Field(
         "constant",
         description="course of the autoencoder's step size: constant, or a half cosine down to a hundredth",

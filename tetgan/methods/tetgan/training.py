@@ -16,6 +16,7 @@ from tetgan.fields.field import Field, VertexField, vertex_operator
 from tetgan.fields.store import FieldStore
 from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
+from tetgan.methods.tetgan.learner import TetganLearner
 from tetgan.methods.tetgan.network import TetganGenerator
 from tetgan.methods.tetgan.objectives import displacement_loss, occupancy_loss
 from tetgan.methods.tetgan.options import TetganOptions, TetganTraining
@@ -116,7 +117,9 @@ class Trainer(TrainingLoop):
             open_fields(store, split, self.device, training.fields) for split in ("train", "validation")
         )
         operator = vertex_operator(store.hierarchy.finest)
-        self.learner = Learner(options, training, store.hierarchy, operator, seed=seed, device=self.device)
+        self.learner = TetganLearner(
+            options, training, store.hierarchy, operator, seed=seed, device=self.device
+        )
         digests = {
             "options": run_digest(
                 model=options.model_dump(exclude={"training", "meshing"}),
