@@ -68,7 +68,7 @@ def build(names: tuple[str, ...] = SIDES) -> Case:
     """Learners by name, from the same seed."""
     hierarchy = build_hierarchy(CELLS, DEPTH)
     operator = vertex_operator(hierarchy.finest)
-    ours = TetganLearner(MODEL, TRAINING, hierarchy, operator, seed=0, device=torch.device("cpu"))
+    ours = TetganLearner(MODEL, TRAINING, hierarchy, operator, mu=0.02, seed=0, device=torch.device("cpu"))
     sides: dict[str, Side] = {}
     if "naive" in names:
         sides["naive"] = NaiveLearner(ours, hierarchy, operator)

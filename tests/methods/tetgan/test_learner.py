@@ -18,7 +18,7 @@ def learner(model=None, **training) -> TetganLearner:
     options = TetganTraining.parse({"learning_rate": 1e-2, "critic_learning_rate": 1e-2} | training)
     operator = vertex_operator(HIERARCHY.finest)
     chosen = TetganOptions.parse(MODEL | (model or {}))
-    return TetganLearner(chosen, options, HIERARCHY, operator, seed=0, device=torch.device("cpu"))
+    return TetganLearner(chosen, options, HIERARCHY, operator, mu=0.02, seed=0, device=torch.device("cpu"))
 
 
 @pytest.fixture

@@ -7,7 +7,12 @@ import pytest
 import torch
 from scipy import sparse
 
-from tetgan.methods.tetgan.objectives import as_seen_by_critics, displacement_loss, occupancy_loss
+from tetgan.methods.tetgan.objectives import (
+    as_seen_by_critics,
+    displacement_loss,
+    occupancy_loss,
+    relative_displacement_loss,
+)
 from tetgan.methods.tetgan.options import TetganTraining
 from tetgan.methods.tetgan.schedule import adversarial_step_due, kl_weight, rate_factor
 from tetgan.nn.rows import RowMap
@@ -32,6 +37,16 @@ def test_displacements_are_compared_at_vertices():
     decoded[0, 0, 1], decoded[0, 1, 1] = 1, -1
     # Errors 0 and -1 in x, none in y and z.
     assert displacement_loss(decoded, field, vertices).item() == pytest.approx(1 / 6)
+
+
+def test_relative_displacement_loss_by_hand():
+    vertices = RowMap(sparse.csr_array(np.array([[0.5, 0.5], [0.0, 1.0]])))
+    decoded, field = torch.zeros(1, 2, 4), torch.zeros(1, 2, 4)
+    field[0, 0, 1:], field[0, 1, 1:] = torch.tensor([0.4, 0, 0]), torch.tensor([0.2, 0.4, 0])
+    decoded[0, 1, 1:] = torch.tensor([0.2, 0, 0.3])
+    # Vertices: true (0.3, 0.2, 0) and (0.2, 0.4, 0), errors (-0.2, -0.2, 0.15) and (0, -0.4, 0.3).
+    by_hand = (0.1025 / (0.13 + 0.04) + 0.25 / (0.20 + 0.04)) / 2
+    assert relative_displacement_loss(decoded, field, vertices, 0.1).item() == pytest.approx(by_hand)
 
 
 def test_kl_of_known_normals():

@@ -46,16 +46,18 @@ class TetganLearner:
         hierarchy: GridHierarchy,
         vertex_operator: sparse.csr_array,
         *,
+        mu: float,
         seed: int,
         device: torch.device,
     ) -> None:
+        """`mu` is Eq. 5's mean displacement of surface tets over the largest displacement."""
         self.training, self.device = training, device
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             self.generator = TetganGenerator(options, hierarchy).to(device)
             self.critics = self._build_critics(options).to(device)
         self.vertices = RowMap(vertex_operator).to(device)
-        self.objectives = Objectives(self.generator, self.critics, self.vertices, training)
+        self.objectives = Objectives(self.generator, self.critics, self.vertices, training, mu)
         if training.checkpointing:
             use_checkpointing(self.objectives)
         self._joined = joined(self.objectives)

@@ -96,10 +96,11 @@ class TetganTraining(Options):
         description="share of the epochs that go around the latent head; it then starts from their features",
     )
     positive_weight: float = Field(1.0, gt=0, description="weight of occupied tets in the cross-entropy")
-    displacement_weight: float = Field(
-        1.0,
-        ge=0,
-        description="weight of the squared error of vertex displacements, in units of their range",
+    displacement_weight: float = Field(1.0, ge=0, description="weight of the displacement loss")
+    displacement_loss: Literal["squared", "relative"] = Field(
+        "squared",
+        description="error of vertex displacements: squared, in units of their range, which the far field "
+        "dominates; or relative, |ΔD|² / (|D|² + (2μ)²) with the μ of Eq. 5",
     )
     kl_weight: float = Field(1.0, ge=0, description="weight towards which the KL term rises")
     kl_decay: float = Field(

@@ -118,7 +118,13 @@ class Trainer(TrainingLoop):
         )
         operator = vertex_operator(store.hierarchy.finest)
         self.learner = TetganLearner(
-            options, training, store.hierarchy, operator, seed=seed, device=self.device
+            options,
+            training,
+            store.hierarchy,
+            operator,
+            mu=store.mu / store.max_displacement,
+            seed=seed,
+            device=self.device,
         )
         digests = {
             "options": run_digest(
