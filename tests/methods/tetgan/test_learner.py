@@ -53,6 +53,30 @@ def test_a_critic_step_moves_critics_alone(field):
     assert any(moved(subject.critics["local"], critics[: len(list(subject.critics["local"].parameters()))]))
 
 
+def test_critics_compare_real_and_fake_fields_in_the_same_units(field):
+    """Probabilities and displacements in units of the range, written out from the draws of the step."""
+    subject = learner(model={"displacement_range": 0.2}, gradient_penalty=7.0)
+    draws = step_draws(0, 0)
+    codes = torch.randn(4, *subject.generator.latent_shape, generator=draws)
+    share = torch.rand(4, generator=draws).view(4, 1, 1)
+    decoded = subject.generator.decode(codes).detach()
+    fake = torch.cat([decoded[..., :1].sigmoid(), decoded[..., 1:] / 0.2], dim=-1)
+    real = torch.cat([field[..., :1], (field[..., 1:] / 0.2).clamp(-1, 1)], dim=-1)
+    between = (share * real + (1 - share) * fake).requires_grad_()
+    expected, total = {}, torch.zeros(())
+    for name, critic in subject.critics.items():
+        gap = (critic(real) - critic(fake)).mean()
+        (slope,) = torch.autograd.grad(critic(between).sum(), between, create_graph=True)
+        penalty = (slope.flatten(1).norm(dim=1) - 1).square().mean()
+        expected |= {f"{name}_gap": gap.item(), f"{name}_penalty": penalty.item()}
+        total = total - gap + 7 * penalty
+    gradient = flat(torch.autograd.grad(total, list(subject.critics.parameters()), materialize_grads=True))
+    losses = subject.critic_step(field, step_draws(0, 0))
+    assert {name: float(value) for name, value in losses.items()} == pytest.approx(expected, rel=1e-4)
+    got = flat(torch.zeros_like(p) if p.grad is None else p.grad for p in subject.critics.parameters())
+    torch.testing.assert_close(got, gradient, rtol=1e-3, atol=1e-5 * float(gradient.abs().max()))
+
+
 def test_a_late_critic_learns_at_its_full_rate(field):
     early, late = learner(), learner()
     late.set_rate(0.01)
