@@ -154,11 +154,11 @@ def test_the_bypass_decodes_features_with_noise_and_has_no_kl(decoded_from):
 
 
 def test_a_critic_s_gap(decoded_from):
-    real, fake = torch.zeros(2, 1, 4), torch.zeros(2, 1, 4)
-    real[:, 0, 0], fake[:, 0, 3] = torch.tensor([1.0, 0.0]), torch.tensor([0.25, 1.0])
-    # Scores of the local critic: 2 and 0 of the real ones, 0.5 and 2 of the fakes.
+    real, fake = torch.zeros(3, 1, 4), torch.zeros(3, 1, 4)
+    real[:, 0, 0], fake[:, 0, 3] = torch.tensor([1.0, 0.0, 0.5]), torch.tensor([0.25, 1.0, 1.0])
+    # Scores of the local critic: 2, 0 and 1 of the real ones, 0.5, 2 and 2 of the fakes.
     loss, parts = objectives(decoded_from)("gap", "local", real, fake)
-    assert (loss.item(), parts["local_gap"].item()) == pytest.approx((0.25, -0.25))
+    assert (loss.item(), parts["local_gap"].item()) == pytest.approx((0.5, -0.5))
 
 
 def test_a_critic_s_penalty(decoded_from):
