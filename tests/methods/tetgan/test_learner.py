@@ -204,6 +204,29 @@ def test_a_negative_weight_lowers_the_score(field, name):
     assert scores[-1] < scores[0]  # a loss of -(-1) score
 
 
+def test_after_the_bypass_codes_hold_the_features(field):
+    """Four shapes have three components, which fit into a code of six, so nothing is lost in the head."""
+    subject = learner(ema=0.9)
+    subject.bypass_step(field, step_draws(0, 0))
+    subject.start_head(iter([field[:1], field[1:]]))
+    generator = subject.generator
+    with torch.no_grad():
+        expected = generator.decode_features(generator.features(field))
+        torch.testing.assert_close(generator.decode(generator.encode(field)), expected, rtol=0, atol=1e-3)
+        with subject.average.applied():  # it starts again from the new head
+            torch.testing.assert_close(generator.decode(generator.encode(field)), expected, rtol=0, atol=1e-3)
+
+
+def test_the_prior_is_fitted_to_all_posteriors(field):
+    subject = learner(model={"prior": "fitted"})
+    with torch.no_grad():
+        mean, log_variance = subject.generator.posterior(field)
+    subject.fit_prior(iter([field[:1], field[1:]]))
+    prior = subject.generator.prior
+    torch.testing.assert_close(prior.mean, mean.mean(dim=0), rtol=1e-4, atol=1e-5)
+    torch.testing.assert_close(prior.noise.square(), log_variance.exp().mean(dim=0), rtol=1e-4, atol=1e-5)
+
+
 def test_without_displacement_nothing_but_occupancy_is_learned(field):
     subject = learner(model={"displacement": False})
     generator = snapshot(subject.generator)
