@@ -1,5 +1,7 @@
 """The three kinds of step move what they should, in the direction they should."""
 
+import copy
+
 import pytest
 import torch
 
@@ -244,6 +246,26 @@ def test_shared_convolutions_train_like_others(field):
     subject.critic_step(field, step_draws(0, 0))
     assert all(moved(subject.generator, generator))
     assert any(moved(subject.critics, critics))
+
+
+def test_parts_hold_all_that_further_steps_depend_on(field):
+    def train(subject: TetganLearner, first: int) -> None:
+        subject.autoencoder_step(field, 0.1, step_draws(0, first))
+        subject.critic_step(field, step_draws(0, first + 1))
+        subject.adversarial_step(4, step_draws(0, first + 2))
+
+    stopped, resumed = learner(), learner()
+    train(stopped, 0)
+    for name, part in resumed.parts().items():
+        part.load_state_dict(copy.deepcopy(stopped.parts()[name].state_dict()))
+    for subject in (stopped, resumed):
+        train(subject, 3)
+    assert torch.equal(weights(stopped), weights(resumed))
+    assert not any(moved(stopped.critics, snapshot(resumed.critics)))
+
+
+def test_without_critics_there_is_one_optimiser():
+    assert learner(adversarial_start=1).parts().keys() == {"generator", "optimizer", "average"}
 
 
 def test_the_average_follows_the_weights():
