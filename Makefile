@@ -7,7 +7,7 @@ CORES ?= 2
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 .DEFAULT_GOAL := help
-.PHONY: help setup chair paper smoke report test bench lint format schema lock clean
+.PHONY: help setup chair paper smoke report test bench mutation lint format schema lock clean
 
 help:  ## List the targets
 	@grep -hE '^[a-z]+:.*##' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "make %-8s %s\n", $$1, $$2}'
@@ -39,6 +39,9 @@ test: setup  ## Every test but the slow ones (those: make test PYTEST="-m slow")
 
 bench: setup  ## Every benchmark: benchmarks/latest.json, docs/performance.md (at toy sizes: make bench BENCH=--quick)
 	$(BIN)/python benchmarks/run.py $(BENCH)
+
+mutation: setup  ## Change a module bit by bit and see whether its tests notice: make mutation MODULES=tetgan/evaluation/fid.py
+	OMP_NUM_THREADS=1 $(BIN)/python benchmarks/mutation.py $(MODULES) --sample $(or $(SAMPLE),30)
 
 lint: setup  ## Style, types, workflow lint, schema in step with the code
 	$(BIN)/ruff check .

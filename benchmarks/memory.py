@@ -134,7 +134,7 @@ def iteration_cost(
     with _computed() if device == "computed" else nullcontext() as counted:
         where = torch.device("cpu" if counted else device)
         operator = vertex_operator(hierarchy.finest)
-        learner = TetganLearner(options, training, hierarchy, operator, seed=0, device=where)
+        learner = TetganLearner(options, training, hierarchy, operator, mu=0.02, seed=0, device=where)
         field = torch.rand(training.batch_size, len(hierarchy.finest.tets), 4, device=where)
         field[..., 0].round_()
         if counted:

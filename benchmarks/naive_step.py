@@ -133,8 +133,12 @@ class NaiveGlobalCritic(nn.Module):
         return self.score(self.layers(field).flatten(1)).squeeze(1)
 
 
+def _adam(module: nn.Module, rate: float, betas: tuple[float, float]) -> torch.optim.Adam:
+    return torch.optim.Adam(module.parameters(), rate, betas=betas, foreach=False, fused=False)
+
+
 class NaiveLearner:
-    """The three kinds of step, with the signatures and random numbers of `TetganLearner`."""
+    """The three kinds of step, with the signatures and the random numbers of `TetganLearner`."""
 
     def __init__(
         self, ours: TetganLearner, hierarchy: GridHierarchy, vertex_operator: sparse.csr_array
@@ -155,13 +159,10 @@ class NaiveLearner:
             check_invariants=True,
         ).coalesce()
         self.latent_shape = ours.generator.latent_shape
-        self.optimizer = self._adam(self.generator, self.options.learning_rate)
-        self.critic_optimizer = self._adam(self.critics, self.options.critic_learning_rate)
-
-    def _adam(self, module: nn.Module, rate: float) -> torch.optim.Adam:
-        return torch.optim.Adam(
-            module.parameters(), rate, betas=self.options.betas, foreach=False, fused=False
-        )
+        options = self.options
+        self.optimizer = _adam(self.generator, options.learning_rate, options.betas)
+        self.adversarial_optimizer = _adam(self.generator, options.learning_rate, options.adversarial_betas)
+        self.critic_optimizer = _adam(self.critics, options.critic_learning_rate, options.betas)
 
     def autoencoder_step(self, field: Tensor, kl_weight: float, draws: torch.Generator) -> dict[str, float]:
         noise = torch.randn(len(field), *self.latent_shape, generator=draws)
@@ -197,7 +198,7 @@ class NaiveLearner:
         fake, total = self._fake(count, draws), torch.zeros(())
         for name, critic in self.critics.items():
             total = total - getattr(self.options, f"{name}_weight") * critic(fake).mean()
-        self._step(self.optimizer, total)
+        self._step(self.adversarial_optimizer, total)
         return {"adversarial_loss": total.item()}
 
     def _fake(self, count: int, draws: torch.Generator) -> Tensor:

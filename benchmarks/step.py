@@ -50,6 +50,7 @@ class Side(Protocol):
 
     optimizer: torch.optim.Adam
     critic_optimizer: torch.optim.Adam
+    adversarial_optimizer: torch.optim.Adam
 
     def autoencoder_step(self, field: Tensor, kl_weight: float, draws: torch.Generator) -> dict[str, Any]: ...
     def critic_step(self, field: Tensor, draws: torch.Generator) -> dict[str, Any]: ...
@@ -67,7 +68,7 @@ def build(names: tuple[str, ...] = SIDES) -> Case:
     """Learners by name, from the same seed."""
     hierarchy = build_hierarchy(CELLS, DEPTH)
     operator = vertex_operator(hierarchy.finest)
-    ours = TetganLearner(MODEL, TRAINING, hierarchy, operator, seed=0, device=torch.device("cpu"))
+    ours = TetganLearner(MODEL, TRAINING, hierarchy, operator, mu=0.02, seed=0, device=torch.device("cpu"))
     sides: dict[str, Side] = {}
     if "naive" in names:
         sides["naive"] = NaiveLearner(ours, hierarchy, operator)
@@ -110,7 +111,7 @@ def _assert_equal(case: Case, tolerance: float, rate: float) -> None:
     """One iteration of both, whose steps move the weights at this rate, with losses that agree."""
     losses = {}
     for name, side in case.sides.items():
-        for optimizer in (side.optimizer, side.critic_optimizer):
+        for optimizer in (side.optimizer, side.critic_optimizer, side.adversarial_optimizer):
             optimizer.param_groups[0]["lr"] = rate
         losses[name] = iterate(side, case.fields, 0)
     for name, expected in losses["naive"].items():

@@ -88,7 +88,15 @@ def train(store: FieldStore, batch: int, width: int, device: str) -> Found:
     training = TetganTraining.parse({"batch_size": batch})
     operator = vertex_operator(store.hierarchy.finest)
     where = torch.device(device)
-    learner = TetganLearner(options, training, store.hierarchy, operator, seed=0, device=where)
+    learner = TetganLearner(
+        options,
+        training,
+        store.hierarchy,
+        operator,
+        mu=store.mu / store.max_displacement,
+        seed=0,
+        device=where,
+    )
     fields = StreamedFields(store, "train", where)
     plan = torch.arange(len(fields)).repeat(2).split(batch)
     waited, start, batches = 0.0, 0.0, fields.batches(plan)

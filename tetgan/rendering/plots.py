@@ -98,7 +98,7 @@ _PANELS = {
 
 _NEVER = {
     *("model", "seed", "epoch", "seconds", "learning_rate", "kl_weight", "resolution", "fade"),
-    *("local_penalty", "global_penalty", "penalty", "adversarial_loss"),
+    *("local_penalty", "global_penalty", "penalty", "adversarial_loss", "adversarial_ratio"),
 }
 
 _WIDE = 3.0  # largest over smallest value of a loss from which its scale is logarithmic

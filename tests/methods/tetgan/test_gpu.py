@@ -23,7 +23,9 @@ def losses(device: str, **training) -> dict[str, float]:
     where = torch.device(device)
     options = TetganTraining.parse(training)
     operator = vertex_operator(HIERARCHY.finest)
-    learner = TetganLearner(TetganOptions.parse(MODEL), options, HIERARCHY, operator, seed=0, device=where)
+    learner = TetganLearner(
+        TetganOptions.parse(MODEL), options, HIERARCHY, operator, mu=0.02, seed=0, device=where
+    )
     field = torch.rand(4, len(HIERARCHY.finest.tets), 4, generator=torch.Generator().manual_seed(0))
     field[..., 0] = (field[..., 0] > 0.7).float()
     field = field.to(where)

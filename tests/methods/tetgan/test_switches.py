@@ -20,7 +20,7 @@ Losses = dict[str, float]
 
 def learner(**training) -> TetganLearner:
     options = TetganTraining.parse({"learning_rate": 1e-2, "gradient_clip": 1.0, "ema": 0.9} | training)
-    return TetganLearner(MODEL, options, HIERARCHY, OPERATOR, seed=0, device=torch.device("cpu"))
+    return TetganLearner(MODEL, options, HIERARCHY, OPERATOR, mu=0.02, seed=0, device=torch.device("cpu"))
 
 
 @pytest.fixture(scope="module")

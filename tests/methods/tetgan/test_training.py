@@ -15,6 +15,7 @@ import pytest
 import torch
 
 from tetgan.errors import UserError
+from tetgan.fields.field import surface_tets
 from tetgan.fields.store import FieldStore
 from tetgan.methods.tetgan import training as trainer_module
 from tetgan.methods.tetgan.learner import TetganLearner
@@ -90,6 +91,18 @@ def test_another_seed_starts_elsewhere(tiny_index):
     store = FieldStore.open(tiny_index)
     first, second = (TetganRun(SMALL, brief(), store, seed).generator for seed in (0, 1))
     assert not torch.equal(first.head.mean.weight, second.head.mean.weight)
+
+
+def test_mu_is_in_the_networks_unit(tiny_index):
+    store = FieldStore.open(tiny_index)
+    options = SMALL.model_copy(update={"displacement_range": 0.5})
+    objectives = Trainer(store, options, brief(), 0, Path()).learner.objectives
+    surface = [
+        field.displacement[surface_tets(field.occupancy, store.hierarchy.finest.neighbors)]
+        for field in map(store.read, store.ids("train"))
+    ]
+    mu = np.mean([np.linalg.norm(displacement, axis=1).mean() for displacement in surface])
+    assert objectives.mu == pytest.approx(mu / (0.5 * store.max_displacement), rel=1e-5)
 
 
 def test_the_same_seed_gives_the_same_bytes(tiny_index, in_one_go, tmp_path):

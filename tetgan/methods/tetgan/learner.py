@@ -1,6 +1,7 @@
 """TetGAN's networks, their optimisers, and the three kinds of step."""
 
 from collections.abc import Iterable
+from itertools import chain
 from typing import Any, NamedTuple
 
 import torch
@@ -45,23 +46,30 @@ class TetganLearner:
         hierarchy: GridHierarchy,
         vertex_operator: sparse.csr_array,
         *,
+        mu: float,
         seed: int,
         device: torch.device,
     ) -> None:
+        """`mu` is Eq. 5's mean displacement of surface tets over the largest displacement."""
         self.training, self.device = training, device
         with torch.random.fork_rng(devices=[]):
             torch.manual_seed(seed)
             self.generator = TetganGenerator(options, hierarchy).to(device)
             self.critics = self._build_critics(options).to(device)
         self.vertices = RowMap(vertex_operator).to(device)
-        self.objectives = Objectives(self.generator, self.critics, self.vertices, training)
+        self.objectives = Objectives(self.generator, self.critics, self.vertices, training, mu)
         if training.checkpointing:
             use_checkpointing(self.objectives)
         self._joined = joined(self.objectives)
-        self.optimizer = self._adam(self.generator, training.learning_rate)
-        self.critic_optimizer = None
+        self.optimizer = self._adam(self.generator, training.learning_rate, training.betas)
+        self.critic_optimizer = self.adversarial_optimizer = None
         if len(self.critics) > 0:
-            self.critic_optimizer = self._adam(self.critics, training.critic_learning_rate)
+            self.critic_optimizer = self._adam(self.critics, training.critic_learning_rate, training.betas)
+            # Moments of its own: with the autoencoder's, a step would follow their momentum, not the critics.
+            self.adversarial_optimizer = self._adam(
+                self.generator, training.learning_rate, training.adversarial_betas
+            )
+        self._autoencoder_norm: Tensor | None = None
         self.average = WeightAverage(self.generator, training.ema)
 
     def _build_critics(self, options: TetganOptions) -> nn.ModuleDict:
@@ -72,13 +80,15 @@ class TetganLearner:
             critics["global"] = GlobalCritic(maps, options.global_critic_width)
         return critics
 
-    def _adam(self, module: nn.Module, rate: float) -> torch.optim.Adam:
+    def _adam(self, module: nn.Module, rate: float, betas: tuple[float, float]) -> torch.optim.Adam:
         """Fused: one pass over all weights and moments."""
-        return torch.optim.Adam(module.parameters(), rate, betas=self.training.betas, fused=True)
+        return torch.optim.Adam(module.parameters(), rate, betas=betas, fused=True)
 
     def set_rate(self, factor: float) -> None:
-        """Scale the autoencoder's step size; late critics learn at their full rate."""
-        self.optimizer.param_groups[0]["lr"] = self.training.learning_rate * factor
+        """Scale the step sizes of both optimisers of the generator; critics learn at their full rate."""
+        for optimizer in (self.optimizer, self.adversarial_optimizer):
+            if optimizer is not None:
+                optimizer.param_groups[0]["lr"] = self.training.learning_rate * factor
 
     def autoencoder_step(
         self,
@@ -148,18 +158,23 @@ class TetganLearner:
         return losses
 
     def adversarial_step(self, count: int, draws: torch.Generator) -> Losses:
-        """One Adam step of the decoder towards higher scores of `count` decoded draws of the prior.
+        """One Adam step of the decoder alone towards higher scores of `count` decoded draws of the prior.
 
-        Towards lower ones of a critic whose weight is negative, as in the official code.
+        Towards lower ones of a critic whose weight is negative, as in the official code. `adversarial_ratio`
+        is the norm of the decoder's gradient over that of the last autoencoder step.
         """
+        assert self.adversarial_optimizer is not None
         latent = self.generator.sample_latent(count, draws)
         self.critics.requires_grad_(False)
-        losses = self._step_generator(
+        terms = (
             Term(share.weight, "adversarial", (self._put(latent[share.rows]),))
             for share in self._shares(count)
         )
+        losses, norm = self._step_generator(self.adversarial_optimizer, terms)
         self.critics.requires_grad_(True)
-        return losses
+        if self._autoencoder_norm is None:
+            return losses
+        return losses | {"adversarial_ratio": norm / self._autoencoder_norm}
 
     def _shares(self, count: int) -> list[Share]:
         return shares(count, self.training.accumulate)
@@ -171,16 +186,22 @@ class TetganLearner:
         return values.to(self.device, non_blocking=True)
 
     def _step_autoencoder(self, terms: Iterable[Term]) -> Losses:
-        losses = self._step_generator(terms)
+        losses, self._autoencoder_norm = self._step_generator(self.optimizer, terms)
         self.average.update()
         return losses
 
-    def _step_generator(self, terms: Iterable[Term]) -> Losses:
-        losses = self._differentiate(self.optimizer, terms)
+    def _step_generator(
+        self, optimizer: torch.optim.Optimizer, terms: Iterable[Term]
+    ) -> tuple[Losses, Tensor]:
+        """One step; the losses, and the norm of the decoder's gradient before it is clipped."""
+        losses = self._differentiate(optimizer, terms)
+        generator = self.generator
+        both = chain(generator.decoder.parameters(), generator.head.expand.parameters())
+        norm = nn.utils.get_total_norm([p.grad for p in both if p.grad is not None])
         if self.training.gradient_clip is not None:
-            nn.utils.clip_grad_norm_(self.generator.parameters(), self.training.gradient_clip)
-        self.optimizer.step()
-        return losses
+            nn.utils.clip_grad_norm_(generator.parameters(), self.training.gradient_clip)
+        optimizer.step()
+        return losses, norm
 
     def _differentiate(self, optimizer: torch.optim.Optimizer, terms: Iterable[Term]) -> Losses:
         """Gradients of a sum of terms, one after the other: the graph of one is in memory at a time."""
@@ -203,4 +224,5 @@ class TetganLearner:
         }
         if self.critic_optimizer is not None:
             parts |= {"critics": self.critics, "critic_optimizer": self.critic_optimizer}
+            parts["adversarial_optimizer"] = self.adversarial_optimizer
         return parts

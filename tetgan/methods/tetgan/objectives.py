@@ -33,6 +33,18 @@ def displacement_loss(
     return vertices(difference).square().mean()
 
 
+def relative_displacement_loss(
+    decoded: Float[Tensor, "B T 4"], field: Float[Tensor, "B T 4"], vertices: RowMap, mu: float
+) -> Float[Tensor, ""]:
+    """|ΔD|² / (|D|² + (2μ)²) of the vertex displacements D: far and near ones count alike.
+
+    `mu` is Eq. 5's mean length of the displacement of surface tets, in the unit of the fields.
+    """
+    true = vertices(field[..., 1:].transpose(0, 1))
+    difference = vertices(decoded[..., 1:].transpose(0, 1)) - true
+    return (difference.square().sum(dim=-1) / (true.square().sum(dim=-1) + (2 * mu) ** 2)).mean()
+
+
 def as_seen_by_critics(decoded: Float[Tensor, "B T 4"]) -> Float[Tensor, "B T 4"]:
     """Logits as probabilities, like the 0 and 1 of real fields."""
     return torch.cat([decoded[..., :1].sigmoid(), decoded[..., 1:]], dim=-1)
@@ -53,11 +65,17 @@ class Objectives(nn.Module):
     """
 
     def __init__(
-        self, generator: TetganGenerator, critics: nn.ModuleDict, vertices: RowMap, training: TetganTraining
+        self,
+        generator: TetganGenerator,
+        critics: nn.ModuleDict,
+        vertices: RowMap,
+        training: TetganTraining,
+        mu: float,
     ) -> None:
+        """`mu` is Eq. 5's, in units of the largest displacement, like the displacement of fields."""
         super().__init__()
         self.generator, self.critics, self.vertices = generator, critics, vertices
-        self.options = training
+        self.options, self.mu = training, mu / generator.range
 
     def forward(self, kind: str, *inputs: object) -> Objective:
         """The objective of a kind, the name of another method."""
@@ -82,9 +100,11 @@ class Objectives(nn.Module):
 
     def _reconstruction(self, decoded: Float[Tensor, "B T 4"], field: Float[Tensor, "B T 4"]) -> Objective:
         occupancy = occupancy_loss(decoded, field, self.options.positive_weight)
-        displacement = displacement_loss(
-            self.generator.in_range(decoded), self.generator.in_range(field), self.vertices
-        )
+        pair = self.generator.in_range(decoded), self.generator.in_range(field)
+        if self.options.displacement_loss == "relative":
+            displacement = relative_displacement_loss(*pair, self.vertices, self.mu)
+        else:
+            displacement = displacement_loss(*pair, self.vertices)
         loss = occupancy + self.options.displacement_weight * displacement
         return loss, {"occupancy_loss": occupancy, "displacement_loss": displacement}
 

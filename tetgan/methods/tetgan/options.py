@@ -79,7 +79,12 @@ class TetganTraining(CommonTraining):
     batch_size: int = Field(30, ge=1, description="shapes a step")
     learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for the autoencoder")
     critic_learning_rate: float = Field(1e-4, gt=0, description="Adam's step size for both critics")
-    betas: tuple[float, float] = Field((0.0, 0.9), description="Adam's decay rates of the two moments")
+    betas: tuple[float, float] = Field(
+        (0.0, 0.9), description="decay rates of the two moments of Adam, for the autoencoder and the critics"
+    )
+    adversarial_betas: tuple[float, float] = Field(
+        (0.0, 0.9), description="the same for the adversarial steps, which have moments of their own"
+    )
     decay: Literal["constant", "cosine"] = Field(
         "constant",
         description="course of the autoencoder's step size: constant, or a half cosine down to a hundredth",
@@ -95,10 +100,11 @@ class TetganTraining(CommonTraining):
         description="share of the epochs that go around the latent head; it then starts from their features",
     )
     positive_weight: float = Field(1.0, gt=0, description="weight of occupied tets in the cross-entropy")
-    displacement_weight: float = Field(
-        1.0,
-        ge=0,
-        description="weight of the squared error of vertex displacements, in units of their range",
+    displacement_weight: float = Field(1.0, ge=0, description="weight of the displacement loss")
+    displacement_loss: Literal["squared", "relative"] = Field(
+        "squared",
+        description="error of vertex displacements: squared, in units of their range, which the far field "
+        "dominates; or relative, |ΔD|² / (|D|² + (2μ)²) with the μ of Eq. 5",
     )
     kl_weight: float = Field(1.0, ge=0, description="weight towards which the KL term rises")
     kl_decay: float = Field(

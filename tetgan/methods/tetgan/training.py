@@ -70,7 +70,7 @@ SOME_SHAPES = 1024  # from which the latent head starts and the prior is fitted,
 
 LOSSES = (
     *("learning_rate", "kl_weight", "occupancy_loss", "displacement_loss", "kl"),
-    *("local_gap", "local_penalty", "global_gap", "global_penalty", "adversarial_loss"),
+    *("local_gap", "local_penalty", "global_gap", "global_penalty", "adversarial_loss", "adversarial_ratio"),
     *("validation_iou", "validation_occupancy_loss", "validation_displacement_loss"),
 )
 
@@ -97,7 +97,15 @@ class TetganRun(Learner):
         self.shapes = len(self.data)
         self.data_digest = run_digest(grid=store.hierarchy.digest, train=self.data.digest)
         operator = vertex_operator(store.hierarchy.finest)
-        self.learner = TetganLearner(options, training, store.hierarchy, operator, seed=seed, device=device)
+        self.learner = TetganLearner(
+            options,
+            training,
+            store.hierarchy,
+            operator,
+            mu=store.mu / store.max_displacement,
+            seed=seed,
+            device=device,
+        )
         self.generator = self.learner.generator
         self.steps_per_epoch = math.ceil(self.shapes / self.batch_size)
         self.steps = self.epochs * self.steps_per_epoch
