@@ -67,7 +67,7 @@ class TetganLearner:
             self.critic_optimizer = self._adam(self.critics, training.critic_learning_rate, training.betas)
             # Moments of its own: with the autoencoder's, a step would follow their momentum, not the critics.
             self.adversarial_optimizer = self._adam(
-                self.generator, training.learning_rate, training.adversarial_betas
+                self.generator, self.adversarial_rate, training.adversarial_betas
             )
         self._autoencoder_norm: Tensor | None = None
         self.average = WeightAverage(self.generator, training.ema)
@@ -86,9 +86,17 @@ class TetganLearner:
 
     def set_rate(self, factor: float) -> None:
         """Scale the step sizes of both optimisers of the generator; critics learn at their full rate."""
-        for optimizer in (self.optimizer, self.adversarial_optimizer):
-            if optimizer is not None:
-                optimizer.param_groups[0]["lr"] = self.training.learning_rate * factor
+        self.optimizer.param_groups[0]["lr"] = self.training.learning_rate * factor
+        if self.adversarial_optimizer is not None:
+            self.adversarial_optimizer.param_groups[0]["lr"] = self.adversarial_rate * factor
+
+    @property
+    def adversarial_rate(self) -> float:
+        """Step size of the adversarial step before the schedule.
+
+        Adam divides by the gradient's size: the critics' weights set their shares of a step, not its length.
+        """
+        return self.training.adversarial_learning_rate or self.training.learning_rate
 
     def autoencoder_step(
         self,

@@ -82,6 +82,12 @@ class TetganTraining(CommonTraining):
     betas: tuple[float, float] = Field(
         (0.0, 0.9), description="decay rates of the two moments of Adam, for the autoencoder and the critics"
     )
+    adversarial_learning_rate: float | None = Field(
+        None,
+        gt=0,
+        description="Adam's step size for the adversarial step, whose length the critics' weights do not "
+        "change; empty: `learning_rate`",
+    )
     adversarial_betas: tuple[float, float] = Field(
         (0.0, 0.9), description="the same for the adversarial steps, which have moments of their own"
     )
