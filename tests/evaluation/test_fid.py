@@ -123,3 +123,17 @@ def test_kid_interval_covers_the_truth_about_as_often_as_it_says():
         low, high = kid_interval(*rng.normal(size=(2, 40, 3)), 100, 0.9, rng)
         covered += low <= 0 <= high
     assert 160 <= covered <= 200
+
+
+def test_the_deviation_is_that_of_random_blocks():
+    """Blocks of two of three samples: three values, each as likely as the others."""
+    rng = np.random.default_rng(0)
+    first, second = rng.normal(size=(3, 2)), rng.normal(size=(2, 2))
+
+    def whole(*chosen: int) -> float:
+        return kid(first[list(chosen)], second, 2, 1, rng).value
+
+    expected = np.std([whole(0, 1), whole(0, 2), whole(1, 2)])
+    # 4,000 blocks know a deviation to about 1 / √8000 = 0.011 of it.
+    assert kid(first, second, 2, 4000, rng).std == pytest.approx(expected, rel=0.05)
+    assert np.isfinite(kid(first, second, 2, 2, rng).std)

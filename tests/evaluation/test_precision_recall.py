@@ -58,3 +58,10 @@ def test_rubbish_beside_good_shapes_costs_precision_alone():
 
 def test_fewer_than_three_neighbours_know_no_bounds():
     assert measure(np.zeros((2, 1)), np.ones((3, 1))) == {"precision": 1, "recall": 1}
+
+
+def test_the_border_of_a_ball_belongs_to_it():
+    # Third neighbours are 3, 2, 2 and 3 away: -3 and 6 lie on a border, 20 and 30 in no ball.
+    found, real = np.array([[-3.0], [6.0], [20.0], [30.0]]), np.arange(4.0)[:, None]
+    assert measure(found, real)["precision"] == 0.5
+    assert measure(real, found)["recall"] == 0.5
