@@ -81,8 +81,11 @@ def test_two_processes_train_like_one_with_the_whole_batch(tiny_index, tmp_path)
         for name in expected.keys() - {"seconds"}:
             # Single precision, sums in another order: 1e-7, enlarged by a few steps of Adam.
             assert (row[name] == "") == (expected[name] == "")
-            if row[name]:
-                assert float(row[name]) == pytest.approx(float(expected[name]), rel=1e-3, abs=1e-4), name
+            if row[
+                name
+            ]:  # the ratio is of gradients of weights that Adam's first, sign-like steps moved apart
+                loose = 1e-2 if name == "adversarial_ratio" else 1e-3
+                assert float(row[name]) == pytest.approx(float(expected[name]), rel=loose, abs=1e-4), name
     weights, expected_weights = (
         load_file(tmp_path / name / "weights.safetensors") for name in ("two", "one")
     )

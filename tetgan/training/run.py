@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 from tetgan.errors import UserError
 from tetgan.fields.samplings import open_sampling
 from tetgan.grids.hierarchy import GridHierarchy
-from tetgan.models.files import WEIGHTS, build_generator, load_generator, load_record, save_generator
+from tetgan.models.files import WEIGHTS, load_generator, load_record, save_generator
 from tetgan.models.generator import FieldGenerator
 from tetgan.models.method import Method, MethodOptions
 from tetgan.models.registry import method_of
 from tetgan.options import Options
-from tetgan.training.data import ResidentFields, open_training
+from tetgan.training.data import open_training
 from tetgan.training.loop import TrainingLoop
 from tetgan.training.options import CommonTraining
 from tetgan.training.processes import launched_together, process_group
@@ -83,18 +83,6 @@ def train_model(
             )
 
         loop.run(save)
-
-
-def fit_model(index: Path, options: MethodOptions, training: Options, seed: int, folder: Path) -> None:
-    """Build a model of fields and call its `fit`, which gets a function from a slice of tets to their fields.
-
-    Raises:
-        UserError: there are no training shapes.
-    """
-    store = open_training(index)
-    generator: Any = build_generator(options, store.hierarchy)
-    generator.fit(ResidentFields(store, "train").tets)
-    save_generator(folder, generator, options, store.hierarchy)
 
 
 def _check_of(kind: Method, of: Path | None) -> None:

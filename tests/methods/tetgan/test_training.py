@@ -96,7 +96,7 @@ def test_another_seed_starts_elsewhere(tiny_index):
 def test_mu_is_in_the_networks_unit(tiny_index):
     store = FieldStore.open(tiny_index)
     options = SMALL.model_copy(update={"displacement_range": 0.5})
-    objectives = Trainer(store, options, brief(), 0, Path()).learner.objectives
+    objectives = TetganRun(options, brief(), store, 0).learner.objectives
     surface = [
         field.displacement[surface_tets(field.occupancy, store.hierarchy.finest.neighbors)]
         for field in map(store.read, store.ids("train"))

@@ -18,6 +18,6 @@ class PcaOptions(MethodOptions):
 METHOD = Method(
     PcaOptions,
     build="tetgan.methods.pca.network:PcaGenerator",
-    train="tetgan.training.run:fit_model",
+    train="tetgan.training.fit:fit_model",
     one_mode=True,
 )

@@ -17,5 +17,5 @@ class RepresentationOptions(MethodOptions):
 METHOD = Method(
     RepresentationOptions,
     build="tetgan.methods.representation.network:RepresentationGenerator",
-    train="tetgan.training.run:fit_model",
+    train="tetgan.training.fit:fit_model",
 )
