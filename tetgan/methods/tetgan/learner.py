@@ -19,9 +19,8 @@ from tetgan.training.average import WeightAverage
 from tetgan.training.log import Losses
 from tetgan.training.processes import Share, exchanging, joined, mean_over_processes, shares
 
-BYPASS_NOISE = (
-    0.3  # of features whose deviation is near 1: what a bottleneck loses, the decoder must not need
-)
+# Of features whose deviation is near 1: what a bottleneck loses, the decoder must not need.
+BYPASS_NOISE = 0.3
 
 
 class Term(NamedTuple):

@@ -190,9 +190,8 @@ class TetganRun(Learner):
                 draw_decoded(folder / f"decoded_{epoch:04d}.png", self.generator, self.store, training.device)
         critics = self.taken + self.steps_per_epoch > first_adversarial_step(self.steps, training)
         if self.has_latents and critics:
-            self.learner.fit_prior(
-                self._some_batches()
-            )  # for the fields that the critics of the next epoch see
+            # For the fields that the critics of the next epoch see.
+            self.learner.fit_prior(self._some_batches())
             as_in_first(self.generator)
         return {
             "learning_rate": training.learning_rate * rate_factor(self.taken / self.steps, training.decay),
