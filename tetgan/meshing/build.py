@@ -4,19 +4,20 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy import sparse
 
-from tetgan.fields.field import Field, VertexField
+from tetgan.fields.extraction import extract_graded
+from tetgan.fields.field import Field, VertexField, vertex_operator
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
+from tetgan.grids.lattice import open_lattice
+from tetgan.meshing.background import lattice_around, subdivisions
 from tetgan.meshing.filtering import filter_occupancy
-from tetgan.meshing.injective import move_boundary
-from tetgan.meshing.occupancy import valid_solid
+from tetgan.meshing.isosurface import Fit, cut_solid, drop_small_pieces
 from tetgan.meshing.options import MeshingOptions
+from tetgan.meshing.planes import Planes, planes_of_field
 from tetgan.meshing.smoothing import smooth_vertices
-from tetgan.solids.solid import SolidChanges, SolidMesh
+from tetgan.solids.solid import SolidMesh
 
-_FAR = 4.0  # mean displacements of surface tets from the surface: beyond that every tet costs the same
-
-_EMPTYING = 4.0  # times what filling costs
+_MULTIPLE = 4  # of which the lattice's cells are one, to be coarser by two levels away from the surface
 
 
 def build_solid(
@@ -28,15 +29,13 @@ def build_solid(
     *,
     smoothing: bool,
 ) -> SolidMesh:
-    """Filter (Eq. 5), displace the boundary (Eq. 3) and, if asked, smooth it (Eq. 4).
+    """Filter (Eq. 5), then make a mesh of the surface that the field holds and, if asked, smooth it (Eq. 4).
 
-    In mode `paper` that is all, and only boundary vertices move: moving the others too inverts more tets, and
-    gains the surface nothing. Even so a few per cent of the tets may come out inverted, and boundary edges
-    may have four faces; `quality_record` counts them.
+    In mode `paper` the occupied tets are the mesh, and their boundary vertices are displaced (Eq. 3): moving
+    the others too inverts more tets, and gains the surface nothing. Even so a few per cent of the tets may
+    come out inverted, and boundary edges may have four faces; `quality_record` counts them.
 
-    In mode `solid` the boundary is first made a manifold, with as little change of the occupancy as may be
-    (`valid_solid`), whose vertices then go towards the same places as far as every tet allows
-    (`move_boundary`). See docs/solids.md.
+    In mode `solid` a body-centred cubic lattice is cut where the surface is; see docs/solids.md.
 
     Args:
         grid: the finest grid of the hierarchy, which the field lives on.
@@ -48,59 +47,71 @@ def build_solid(
     """
     occupancy = filter_occupancy(field, grid.neighbors, mu, options.gamma)
     if options.mode == "solid":
-        solid, changes = valid_solid(occupancy, _reluctance(field, occupancy, mu), grid, options)
-        vertices, tets, blend = solid.space.vertices, solid.space.tets[solid.occupancy], solid.blend
-    else:
-        changes = SolidChanges()
-        vertices, tets, blend = (
-            grid.vertices,
-            grid.tets[occupancy],
-            sparse.eye_array(len(grid.vertices), format="csr"),
-        )
-    used, compact = np.unique(tets, return_inverse=True)
+        return _valid_solid(field, grid, operator, occupancy, options, smoothing=smoothing)
+    displacement = (
+        field.vertex_displacement if isinstance(field, VertexField) else operator @ field.displacement
+    )
+    return _faithful_solid(grid, occupancy, displacement, options.beta if smoothing else None)
+
+
+def _faithful_solid(
+    grid: TetGrid,
+    occupancy: Bool[np.ndarray, "T"],
+    displacement: Float[np.ndarray, "V 3"],
+    beta: float | None,
+) -> SolidMesh:
+    """The paper's mesh; smoothed where there is a `beta`."""
+    used, compact = np.unique(grid.tets[occupancy], return_inverse=True)
     tets = compact.reshape(-1, 4)
     faces = boundary_faces(tets)
-    vertices, displacement = vertices[used], _displacement_at(blend[used], field, operator)
+    vertices, displacement = grid.vertices[used], displacement[used].astype(np.float64)
     boundary = np.unique(faces)
     vertices[boundary] += displacement[boundary]
-    if smoothing:
-        vertices = smooth_vertices(vertices, displacement, faces, options.beta)
-    if options.mode == "solid":
-        vertices = move_boundary(
-            solid.occupancy,
-            used[boundary],
-            vertices[boundary],
-            solid.space,
-            min_dihedral=options.min_dihedral,
-            rounds=options.rounds,
-        )[used]
-    return SolidMesh(vertices, tets, faces, changes)
+    if beta is not None:
+        vertices = smooth_vertices(vertices, displacement, faces, beta)
+    return SolidMesh(vertices, tets, faces)
 
 
-def _reluctance(
-    field: Field | VertexField, occupancy: Bool[np.ndarray, "T"], mu: float
-) -> Float[np.ndarray, "T"]:
-    """What it costs to change the occupancy of each tet: more, the further it lies from the surface.
-
-    The unit is the mean displacement of surface tets; where displacements are known at vertices alone, every
-    tet counts as one away. Emptying costs a multiple: a tet filled for nothing is drawn to the surface with
-    its vertices, but where one is missing nothing else represents the shape, and its pieces may fall apart.
-    """
-    far = np.ones(len(occupancy))
-    if isinstance(field, Field):
-        far = np.minimum(np.linalg.norm(field.displacement.astype(np.float64), axis=1) / (mu or 1.0), _FAR)
-    return np.where(occupancy, _EMPTYING * (far + 0.5), far + 0.1)
-
-
-def _displacement_at(
-    blend: sparse.csr_array, field: Field | VertexField, operator: sparse.csr_array
-) -> Float[np.ndarray, "N 3"]:
-    """Displacement of means of the grid's vertices: by Eq. 3, or as the field itself has it.
-
-    Args:
-        blend: (N, G) the means; vertices beyond those of the grid, which are the collar's, are not displaced.
-    """
-    means = blend[:, : operator.shape[0]]
+def _valid_solid(
+    field: Field | VertexField,
+    grid: TetGrid,
+    operator: sparse.csr_array,
+    occupancy: Bool[np.ndarray, "T"],
+    options: MeshingOptions,
+    *,
+    smoothing: bool,
+) -> SolidMesh:
+    """The solid cut from a lattice."""
+    if not occupancy.any():
+        return SolidMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
+    cells = lattice_cells(len(grid.tets), options.resolution)
     if isinstance(field, VertexField):
-        return means @ field.vertex_displacement.astype(np.float64)
-    return (means @ operator) @ field.displacement.astype(np.float64)
+        planes = _planes_of_surface(_faithful_solid(grid, occupancy, field.vertex_displacement, None), cells)
+        changes = np.empty((0, 3))
+    else:
+        planes = planes_of_field(field, grid, occupancy)
+        changes = _between(grid, occupancy)
+    lattice, distances = lattice_around(planes, changes, cells, options.interior)
+    fit = Fit(options.min_dihedral, options.rounds, options.beta if smoothing else None)
+    solid = cut_solid(lattice, distances, planes, 1 / cells, fit)
+    return drop_small_pieces(solid, options.min_component)
+
+
+def lattice_cells(tets: int, resolution: float) -> int:
+    """Cells along the cube of the lattice that solids are cut from, for a grid of some number of tets."""
+    return _MULTIPLE * max(1, round(resolution * (tets / 12) ** (1 / 3) / _MULTIPLE))
+
+
+def _planes_of_surface(mesh: SolidMesh, cells: int) -> Planes:
+    """The planes that the tets of a lattice near a surface know, whatever is wrong with the surface."""
+    depth = subdivisions(cells)
+    lattice, field = extract_graded(mesh.vertices, mesh.faces, open_lattice(cells >> depth), depth)
+    return planes_of_field(field, lattice, field.occupancy)
+
+
+def _between(grid: TetGrid, occupancy: Bool[np.ndarray, "T"]) -> Float[np.ndarray, "C 3"]:
+    """Points between occupied tets and empty ones: the surface is near, or should be."""
+    occupied, slots = np.nonzero(occupancy[:, None] & (grid.neighbors >= 0))
+    other = grid.neighbors[occupied, slots]
+    change = ~occupancy[other]
+    return (grid.centroids[occupied[change]] + grid.centroids[other[change]]) / 2

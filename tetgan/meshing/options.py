@@ -25,12 +25,19 @@ class MeshingOptions(Options):
     min_dihedral: float = Field(
         15.0,
         ge=0,
-        le=30,
-        description="least dihedral angle of a solid's tets, in degrees; the lattice has 30",
+        le=25,
+        description="least dihedral angle of a solid's tets, in degrees; the cut lattice has 25.3",
     )
     min_component: float = Field(
         0.002, ge=0, le=1, description="floating pieces of a solid below this share of its volume are dropped"
     )
-    rounds: int = Field(
-        6, ge=1, description="times that a solid's boundary is moved towards where the field wants it"
+    rounds: int = Field(6, ge=1, description="times that a solid's vertices move to where its tets are better")
+    resolution: float = Field(
+        1.3,
+        ge=0.5,
+        le=4,
+        description="cells along the cube of a solid's lattice, over those of one with the grid's number of tets",
+    )
+    interior: Literal["fine", "graded"] = Field(
+        "fine", description="tets inside a solid: all of one size, or coarser the further from its surface"
     )

@@ -58,11 +58,10 @@ def quality_record(mesh: SolidMesh, certificate: Certificate | None = None) -> d
 
     Returns:
         The columns of `Certificate`; `thickness` in cube sides (`median_thickness`); of `SolidChanges`
-        what was added and removed; and how many floating pieces were dropped, their share of the volume, and
+        the counts; and how many floating pieces were dropped, their share of the volume, and
         the shares of each, joined by blanks. All numbers are 0 for an empty mesh.
     """
     changes = asdict(mesh.changes)
-    del changes["cavities"]  # the certificate counts them in the mesh itself
     dropped = changes.pop("dropped")
     return {
         **(certificate or certify(mesh.vertices, mesh.tets)).row(),

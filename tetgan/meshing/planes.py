@@ -1,0 +1,119 @@
+"""What the tets of a field know of its surface, and the signed distance that they agree on."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.spatial import KDTree
+
+from tetgan.fields.field import Field
+from tetgan.geometry.tets import TetMesh
+
+_NEIGHBOURS = 16  # planes asked at a point
+
+_CHUNK = 1 << 15  # points at once
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """Tangent planes of a surface, each known at the centroid of a tet.
+
+    The distance to the planes of the nearest centroids, averaged, keeps parts thinner than a tet, which the
+    distance to the closest point of the surface, interpolated linearly, loses: a plane goes on through the
+    other side of a thin part, where its value is still that of an inside.
+
+    Attributes:
+        centroids: (T, 3) where each plane is known.
+        distances: (T,) of the centroids, signed: negative inside.
+        normals: (T, 3) of the planes, outward, of length 1; 0 where no direction is known.
+    """
+
+    centroids: Float[np.ndarray, "T 3"]
+    distances: Float[np.ndarray, "T"]
+    normals: Float[np.ndarray, "T 3"]
+
+    @cached_property
+    def _tree(self) -> KDTree:
+        return KDTree(self.centroids)
+
+    @property
+    def feet(self) -> Float[np.ndarray, "T 3"]:
+        """The point of the surface that each centroid knows."""
+        return self.centroids - self.distances[:, None] * self.normals
+
+    def inside(self, points: Float[np.ndarray, "N 3"]) -> Bool[np.ndarray, "N"]:
+        """Whether the nearest centroid lies inside: good far from the surface."""
+        return self.distances[self._tree.query(points)[1]] < 0
+
+    def distance(self, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N"]:
+        """Signed distance to the surface, negative inside."""
+        return self.distance_and_normal(points)[0]
+
+    def distance_and_normal(
+        self, points: Float[np.ndarray, "N 3"]
+    ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
+        """The signed distance, and the mean of the normals: its gradient, but for that of the weights."""
+        distance, normal = np.empty(len(points)), np.empty((len(points), 3))
+        for rows in _chunks(len(points)):
+            distance[rows], normal[rows] = self._mean(points[rows], self._nearest(points[rows]))
+        return distance, normal
+
+    def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]:
+        """Points on the surface near the given ones: two steps of Newton, none longer than `reach`."""
+        projected = np.empty_like(points)
+        for rows in _chunks(len(points)):
+            here, nearest = points[rows].copy(), self._nearest(points[rows])
+            for _ in range(2):
+                distance, normal = self._mean(here, nearest)
+                squares = np.maximum((normal**2).sum(axis=1), 0.25)  # normals that disagree have a short mean
+                here -= np.clip(distance / squares, -reach, reach)[:, None] * normal
+            projected[rows] = here
+        return projected
+
+    def _nearest(self, points: Float[np.ndarray, "N 3"]) -> Int[np.ndarray, "N K"]:
+        """The planes that are asked at each point."""
+        count = min(_NEIGHBOURS, len(self.centroids))
+        return self._tree.query(points, k=np.arange(1, count + 1))[1]
+
+    def _mean(
+        self, points: Float[np.ndarray, "N 3"], nearest: Int[np.ndarray, "N K"]
+    ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
+        normals, heights = self.normals[nearest], self.distances[nearest]
+        offsets = points[:, None] - self.centroids[nearest]
+        away = np.sqrt(np.einsum("nkc,nkc->nk", offsets, offsets))
+        values = heights + np.einsum("nkc,nkc->nk", offsets, normals)
+        weights = 1 / np.maximum(away**3 * (np.abs(heights) + away / 4), np.finfo(float).tiny ** 0.5)
+        weights /= weights.sum(axis=1, keepdims=True)
+        return (weights * values).sum(axis=1), np.einsum("nk,nkc->nc", weights, normals)
+
+
+def _chunks(count: int) -> Iterator[slice]:
+    return (slice(begin, begin + _CHUNK) for begin in range(0, count, _CHUNK))
+
+
+def planes_of_field(field: Field, grid: TetMesh, occupancy: Bool[np.ndarray, "T"]) -> Planes:
+    """The planes of a field's tets.
+
+    Args:
+        occupancy: of the field after its filter (Eq. 5); tets that it has emptied contradict themselves, and
+            are left out.
+
+    A field without displacements says on which side a centroid lies, and no more: all are then a quarter of
+    the mean edge away from a surface of no direction.
+    """
+    kept = occupancy == field.occupancy
+    displacement = field.displacement[kept].astype(np.float64)
+    side = np.where(occupancy[kept], -1.0, 1.0)
+    length = np.linalg.norm(displacement, axis=1)
+    if not length.any():
+        mean_edge = float((grid.volumes.mean() * 6 * np.sqrt(2)) ** (1 / 3))  # of a regular tet
+        return Planes(grid.centroids[kept], side * mean_edge / 4, np.zeros_like(displacement))
+    normals = np.divide(
+        -side[:, None] * displacement,
+        length[:, None],
+        out=np.zeros_like(displacement),
+        where=length[:, None] > 0,
+    )
+    return Planes(grid.centroids[kept], side * length, normals)
