@@ -114,7 +114,7 @@ def test_a_graded_field_is_that_of_the_dense_grid(interior, seed, reach):
     # Of both grids, every tet with a vertex near the surface, which is of the finest level.
     known, where = rows_of(grid), []
     for mesh in (dense, grid):
-        near = distance_to_mesh(mesh.vertices, vertices, faces) <= reach / 16
+        near = distance_to_mesh(mesh.vertices, vertices, faces) <= reach * np.sqrt(5) / 32
         where.append(np.flatnonzero(near[mesh.tets].any(axis=1)))
     there, here = where
     assert (grid.level[here] == 3).all()

@@ -8,7 +8,7 @@ import pytest
 from tetgan.geometry.adjacency import EDGES, FACES
 from tetgan.geometry.tets import dihedral_angles, tet_volumes
 from tetgan.grids.closure import PIECES, edge_pattern, pattern_edges
-from tetgan.grids.lattice import lattice_points
+from tetgan.grids.lattice import LONGEST_EDGE, lattice_points
 from tetgan.grids.subdivision import CHILDREN
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -103,5 +103,6 @@ def test_least_angles_of_all_pieces(shapes):
         angles[tuple(sorted(shape(corners)))] = (least[0], least[1], least[3])
     assert angles.keys() == LEAST_ANGLES.keys()
     assert len(shapes) == len(angles)
+    assert np.sqrt(np.max([*LEAST_ANGLES])) / 2 == LONGEST_EDGE  # a side of a cell is 2
     for edges, expected in LEAST_ANGLES.items():
         assert angles[edges] == pytest.approx(expected, abs=1e-6)

@@ -16,6 +16,7 @@ from tetgan.geometry.inside import is_inside
 from tetgan.grids.graded import GradedGrid, graded_grid
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import grid_from_options
+from tetgan.grids.lattice import LONGEST_EDGE
 from tetgan.grids.options import GridOptions
 from tetgan.shapes.archive import read_meshes
 
@@ -57,14 +58,15 @@ def extract_graded(
     Args:
         vertices, faces: a closed surface that faces outward, in the unit cube.
         cells, depth: of the lattice.
-        reach: in sides of a cell of the finest level, 1 / (cells · 2^depth): the longest edge of inner tets.
+        reach: in longest edges of the finest level; 1 makes all tets fine at the ends of every edge that the
+            surface crosses.
         interior: `fine` subdivides all tets inside as well.
 
     Raises:
         ValueError: the mesh has no faces.
     """
     vertices, faces = _contiguous(vertices, faces)
-    margin = reach / (cells * 2**depth)
+    margin = reach * LONGEST_EDGE / (cells * 2**depth)
 
     def choose(level: int, corners: Float[np.ndarray, "N 4 3"]) -> Bool[np.ndarray, "N"]:
         centroids = corners.mean(axis=1)

@@ -8,6 +8,10 @@ from tetgan.grids.grid import TetGrid
 # Corners of a unit square in turning order, as offsets along the two axes that follow the face's normal.
 _RING = np.array([[0, 0], [1, 0], [1, 1], [0, 1]])
 
+# Of the lattice however often subdivided, in sides of a cell of that level. Off the wall the longest edge is
+# such a side; the half cells at the wall have longer ones after the first subdivision.
+LONGEST_EDGE = np.sqrt(5) / 2
+
 
 def cube_lattice(cells: int) -> TetGrid:
     """The unit cube cut into cells³ cells, each edge of each cell face joined to the two sides of the face.
