@@ -8,7 +8,7 @@ import pytest
 from tetgan.geometry.adjacency import EDGES, FACES
 from tetgan.geometry.tets import dihedral_angles, tet_volumes
 from tetgan.grids.closure import PIECES, edge_pattern, pattern_edges
-from tetgan.grids.lattice import LONGEST_EDGE, lattice_points
+from tetgan.grids.lattice import cube_lattice
 from tetgan.grids.subdivision import CHILDREN
 
 CORNERS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
@@ -49,9 +49,9 @@ def shapes():
     """One tet of each shape that the lattice has at any depth: whichever of its shortest diagonals splits a
     tet, the shapes of its children are among them.
     """
-    points, tets = lattice_points(2)
+    lattice = cube_lattice(2)
     found = {}
-    todo = list(points[tets])
+    todo = list(lattice.points[lattice.tets])
     while todo:
         corners = todo.pop()
         if found.setdefault(shape(corners), corners) is corners:
@@ -103,6 +103,6 @@ def test_least_angles_of_all_pieces(shapes):
         angles[tuple(sorted(shape(corners)))] = (least[0], least[1], least[3])
     assert angles.keys() == LEAST_ANGLES.keys()
     assert len(shapes) == len(angles)
-    assert np.sqrt(np.max([*LEAST_ANGLES])) / 2 == LONGEST_EDGE  # a side of a cell is 2
+    assert np.sqrt(np.max([*LEAST_ANGLES])) == cube_lattice(2).longest_edge
     for edges, expected in LEAST_ANGLES.items():
         assert angles[edges] == pytest.approx(expected, abs=1e-6)

@@ -16,7 +16,7 @@ from tetgan.geometry.inside import is_inside
 from tetgan.grids.graded import GradedGrid, graded_grid
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import grid_from_options
-from tetgan.grids.lattice import LONGEST_EDGE
+from tetgan.grids.lattice import Lattice
 from tetgan.grids.options import GridOptions
 from tetgan.shapes.archive import read_meshes
 
@@ -43,7 +43,7 @@ def extract_field(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
 def extract_graded(
     vertices: Float[np.ndarray, "V 3"],
     faces: Int[np.ndarray, "F 3"],
-    cells: int,
+    base: Lattice,
     depth: int,
     *,
     reach: float = 1.0,
@@ -52,12 +52,13 @@ def extract_graded(
     """The field of `extract_field` on a lattice that is fine only near the surface.
 
     Every tet that comes within `reach` of the surface is of the finest level, with the values that it has on
-    `build_hierarchy(cells, depth).finest`: a tet is subdivided unless the distance of its centroid shows that
-    no point of it is that near.
+    `subdivide_lattice(base, depth).finest`: a tet is subdivided unless the distance of its centroid shows
+    that no point of it is that near.
 
     Args:
         vertices, faces: a closed surface that faces outward, in the unit cube.
-        cells, depth: of the lattice.
+        base: a lattice that covers the unit cube.
+        depth: number of subdivisions near the surface.
         reach: in longest edges of the finest level; 1 makes all tets fine at the ends of every edge that the
             surface crosses.
         interior: `fine` subdivides all tets inside as well.
@@ -66,7 +67,7 @@ def extract_graded(
         ValueError: the mesh has no faces.
     """
     vertices, faces = _contiguous(vertices, faces)
-    margin = reach * LONGEST_EDGE / (cells * 2**depth)
+    margin = reach * base.longest_edge / (base.unit * 2**depth)
 
     def choose(level: int, corners: Float[np.ndarray, "N 4 3"]) -> Bool[np.ndarray, "N"]:
         centroids = corners.mean(axis=1)
@@ -77,7 +78,7 @@ def extract_graded(
             chosen[~chosen] = is_inside(centroids[~chosen], vertices, faces)
         return chosen
 
-    grid = graded_grid(cells, depth, choose)
+    grid = graded_grid(base, depth, choose)
     return grid, extract_field(vertices, faces, grid)
 
 

@@ -5,8 +5,8 @@ edges of a tet join its corners in groups that are split throughout: two corners
 two (in 4), three (in 4), or all four, where it is subdivided instead. The tet is the join of its groups, and
 its pieces are all joins of the parts of one group with those of the other.
 
-In the lattice of a cube the pieces of inner tets have no dihedral angle below 30 degrees, those of the tets
-at the wall none below 13.8.
+In a lattice the pieces of whole tets have no dihedral angle below 30 degrees, those of the half tets at the
+wall of a cube none below 13.8.
 """
 
 from itertools import combinations, product

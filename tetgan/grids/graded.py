@@ -13,7 +13,7 @@ from jaxtyping import Bool, Float, Int
 from tetgan.geometry.adjacency import EDGES
 from tetgan.grids.closure import ALL_SPLIT, PIECES, edge_pattern, pattern_edges
 from tetgan.grids.grid import TetGrid
-from tetgan.grids.lattice import lattice_points
+from tetgan.grids.lattice import Lattice
 from tetgan.grids.subdivision import CHILDREN, CORNER_TETS, midpoint_order, shortest_diagonal
 
 # Asked once a level, with its number and the corners in the unit cube of the tets that may be subdivided:
@@ -26,35 +26,43 @@ _OUTER_EDGES = CORNER_TETS[:, EDGES].reshape(-1, 2)
 
 @dataclass(frozen=True, eq=False)
 class GradedGrid(TetGrid):
-    """Tets of the unit cube that share faces, of several sizes.
+    """Tets that share faces, of several sizes.
 
     Attributes:
+        points: (V, 3) the vertices in units of half a cell of the finest level. In an open lattice each is a
+            corner of such a cell, even in all coordinates, or a centre, odd in all.
         level: (T,) number of subdivisions that made the tet, or the tet that it is a piece of.
         green: (T,) pieces of tets with finer neighbours; none is of the finest level.
     """
 
+    points: Int[np.ndarray, "V 3"]
     level: Int[np.ndarray, "T"]
     green: Bool[np.ndarray, "T"]
 
 
-def graded_grid(cells: int, depth: int, choose: Choice) -> GradedGrid:
-    """The lattice of `cells` cells a side, subdivided up to `depth` times where `choose` says so.
+def graded_grid(base: Lattice, depth: int, choose: Choice) -> GradedGrid:
+    """A lattice subdivided up to `depth` times where `choose` says so.
 
     Tets that touch chosen ones are subdivided as well where closing the mesh needs it. With everything chosen
-    the tets are those of `build_hierarchy(cells, depth).finest` in the same order, and only the numbering of
+    the tets are those of `subdivide_lattice(base, depth).finest` in the same order, and only the numbering of
     the vertices differs: here it follows their coordinates.
+
+    Tets of the finest level come last: the children of those chosen last, eight of each in a row, then what
+    closing the mesh adds.
     """
-    forest = _Forest(cells, depth)
+    forest = _Forest(base, depth)
     for number in range(depth):
         level = forest.levels[number]
         forest.subdivide(number, choose(number, forest.points(level.keys) / forest.unit))
     forest.balance()
     keys, level, green = zip(*forest.leaves(), strict=True)
     corners, inverse = np.unique(np.concatenate(keys), return_inverse=True)
+    points = forest.points(corners)
     sizes = [len(part) for part in keys]
     return GradedGrid(
-        vertices=forest.points(corners) / forest.unit,
+        vertices=points / forest.unit,
         tets=inverse.reshape(-1, 4),
+        points=points,
         level=np.repeat(level, sizes),
         green=np.repeat(green, sizes),
     )
@@ -88,23 +96,26 @@ class _Level:
 class _Forest:
     """Tets of all levels, each of which has eight children in the next or is a leaf.
 
-    A vertex is known by its key: its integer coordinates, in units of half a cell of the finest level, as one
-    number of three digits. Keys are linear, so that of a midpoint is the mean of two, and an edge is known by
-    the key of its midpoint.
+    A vertex is known by its key: its integer coordinates, in units of half a cell of the finest level and
+    counted from the lowest, as one number of three digits. The key of a midpoint is the mean of two, and an
+    edge is known by the key of its midpoint.
     """
 
-    def __init__(self, cells: int, depth: int) -> None:
-        self.unit = 2 * cells * 2**depth
-        self._base = self.unit + 1
-        points, tets = lattice_points(cells)
-        keys = 2**depth * points @ np.array([self._base**2, self._base, 1])
+    def __init__(self, base: Lattice, depth: int) -> None:
+        self.unit = base.unit * 2**depth
+        points = base.points * 2**depth
+        self._low = points.min(axis=0)
+        self._base = int((points - self._low).max()) + 1
+        keys = (points - self._low) @ np.array([self._base**2, self._base, 1])
         empty = np.empty((0, 4), dtype=np.int64)
-        self.levels = [_Level.of(keys[tets], tets)] + [_Level.of(empty, empty) for _ in range(depth)]
+        self.levels = [_Level.of(keys[base.tets], base.tets)] + [
+            _Level.of(empty, empty) for _ in range(depth)
+        ]
 
     def points(self, keys: Int[np.ndarray, "*N"]) -> Int[np.ndarray, "*N 3"]:
         """Integer coordinates of vertices."""
         rest, z = np.divmod(keys, self._base)
-        return np.stack([*np.divmod(rest, self._base), z], axis=-1)
+        return np.stack([*np.divmod(rest, self._base), z], axis=-1) + self._low
 
     def subdivide(self, number: int, chosen: Bool[np.ndarray, "N"]) -> None:
         """Append the children of the `chosen` leaves of a level to the next."""

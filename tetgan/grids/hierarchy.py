@@ -10,7 +10,7 @@ from jaxtyping import Float, Int
 from tetgan.errors import UserError
 from tetgan.geometry.adjacency import unique_edges
 from tetgan.grids.grid import TetGrid
-from tetgan.grids.lattice import lattice_points
+from tetgan.grids.lattice import Lattice, cube_lattice
 from tetgan.grids.options import GridOptions
 from tetgan.grids.subdivision import CHILDREN, shortest_diagonal
 from tetgan.grids.tetfile import read_tet
@@ -48,8 +48,12 @@ class GridHierarchy:
 
 def build_hierarchy(cells: int, depth: int) -> GridHierarchy:
     """The cube lattice of `cells` cells a side, subdivided `depth` times."""
-    points, tets = lattice_points(cells)
-    return _subdivide(points, tets, 2 * cells, depth)
+    return subdivide_lattice(cube_lattice(cells), depth)
+
+
+def subdivide_lattice(base: Lattice, depth: int) -> GridHierarchy:
+    """A lattice subdivided `depth` times."""
+    return _subdivide(base.points, base.tets, base.unit, depth)
 
 
 def subdivide_hierarchy(base: TetGrid, depth: int) -> GridHierarchy:
