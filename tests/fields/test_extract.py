@@ -6,9 +6,10 @@ import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tetgan.fields.extraction import _regions, extract_field
+from tetgan.fields.extraction import _regions, extract_field, extract_graded
 from tetgan.fields.field import surface_tets
-from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.grids.hierarchy import build_hierarchy, subdivide_lattice
+from tetgan.grids.lattice import cube_lattice, open_lattice
 
 
 def distance_to_triangle(points, a, b, c):
@@ -98,9 +99,64 @@ def test_a_box_is_exact(grid):
     np.testing.assert_allclose(np.linalg.norm(field.displacement, axis=1), distance, atol=1e-7)
 
 
+def rows_of(grid):
+    """Tets by the coordinates of their corners."""
+    return {tet.tobytes(): row for row, tet in enumerate(grid.vertices[grid.tets])}
+
+
+@pytest.mark.parametrize("lattice", [cube_lattice, open_lattice])
+@pytest.mark.parametrize("interior", ["graded", "fine"])
+@pytest.mark.parametrize(("seed", "reach"), [(0, 1.0), (1, 0.5), (2, 2.0)])
+def test_a_graded_field_is_that_of_the_dense_grid(lattice, interior, seed, reach):
+    base = lattice(2)
+    dense = subdivide_lattice(base, 3).finest
+    vertices, faces = closed_soup(seed)
+    grid, field = extract_graded(vertices, faces, base, 3, reach=reach, interior=interior)
+    expected = extract_field(vertices, faces, dense)
+
+    # Of both grids, every tet with a vertex near the surface, which is of the finest level.
+    known, where = rows_of(grid), []
+    for mesh in (dense, grid):
+        near = distance_to_mesh(mesh.vertices, vertices, faces) <= reach * base.longest_edge / 32
+        where.append(np.flatnonzero(near[mesh.tets].any(axis=1)))
+    there, here = where
+    assert (grid.level[here] == 3).all()
+    assert not grid.green[here].any()
+    assert len(grid.tets) < len(dense.tets)
+    rows = [known[tet.tobytes()] for tet in dense.vertices[dense.tets[there]]]
+    assert set(rows) == set(here.tolist())
+    np.testing.assert_array_equal(field.occupancy[rows], expected.occupancy[there])
+    np.testing.assert_array_equal(field.displacement[rows], expected.displacement[there])
+
+    # Further off the field is exact at the grid's own centroids, but for displacements in a fine interior.
+    np.testing.assert_array_equal(field.occupancy, winding_number(grid.centroids, vertices, faces) > 0.5)
+    distance = distance_to_mesh(grid.centroids, vertices, faces)
+    exact = ~(field.occupancy & (distance > reach * base.longest_edge / 32) & (interior == "fine"))
+    length = np.linalg.norm(field.displacement, axis=1)
+    np.testing.assert_allclose(length[exact], distance[exact], rtol=1e-6, atol=1e-7)
+    assert (length > distance * (1 - 1e-6) - 1e-7).all()
+    assert distance_to_mesh(grid.centroids + field.displacement, vertices, faces).max() < 1e-6
+
+
+@pytest.mark.parametrize("lattice", [cube_lattice, open_lattice])
+def test_a_fine_interior_is_that_of_the_dense_grid(lattice, ball):
+    base = lattice(2)
+    dense = subdivide_lattice(base, 3).finest
+    grid, field = extract_graded(*ball, base, 3, interior="fine")
+    inside = extract_field(*ball, dense).occupancy
+    assert rows_of(grid).keys() >= {tet.tobytes() for tet in dense.vertices[dense.tets[inside]]}
+    assert (grid.level[field.occupancy] == 3).all()
+    assert np.count_nonzero(field.occupancy) == np.count_nonzero(inside)
+    coarse, coarse_field = extract_graded(*ball, base, 3)
+    assert coarse_field.occupancy[coarse.level < 3].any()
+    assert len(coarse.tets) < len(grid.tets)
+
+
 def test_a_mesh_without_faces_is_refused(grid):
     with pytest.raises(ValueError, match="without faces"):
         extract_field(np.zeros((3, 3)), np.zeros((0, 3), dtype=np.int64), grid)
+    with pytest.raises(ValueError, match="without faces"):
+        extract_graded(np.zeros((3, 3)), np.zeros((0, 3), dtype=np.int64), cube_lattice(1), 1)
 
 
 def test_surface_tets_agree_with_a_loop(grid):

@@ -10,7 +10,7 @@ from tetgan.grids.tetfile import write_tet
 
 
 def test_cells_or_a_file_give_the_same_grid(tmp_path):
-    write_tet(tmp_path / "base.tet", cube_lattice(2))
+    write_tet(tmp_path / "base.tet", cube_lattice(2).grid)
     from_file = grid_from_options(GridOptions(file=tmp_path / "base.tet", depth=1))
     assert from_file.digest == grid_from_options(GridOptions(cells=2, depth=1)).digest
     assert from_file.digest == build_hierarchy(2, 1).digest

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
+from tetgan.geometry.adjacency import EDGES
 from tetgan.geometry.tets import dihedral_angles, tet_volumes
-from tetgan.grids import hierarchy as module
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import build_hierarchy, subdivide_hierarchy, upsampling_weights
 from tetgan.grids.lattice import cube_lattice
@@ -102,7 +102,7 @@ def test_the_split_is_along_a_shortest_diagonal(lr):
 
 
 def test_a_tie_does_not_see_the_order_of_a_tets_vertices():
-    base = cube_lattice(2)
+    base = cube_lattice(2).grid
     turned = TetGrid(base.vertices, base.tets[:, [1, 2, 0, 3]])
     plain, other = (subdivide_hierarchy(grid, 2).finest for grid in (base, turned))
     assert {frozenset(tet) for tet in plain.tets.tolist()} == {frozenset(tet) for tet in other.tets.tolist()}
@@ -110,22 +110,20 @@ def test_a_tie_does_not_see_the_order_of_a_tets_vertices():
 
 def test_half_of_the_octahedra_are_ties():
     # Why the rule matters: a regular lattice leaves the choice to it half of the time.
-    points, tets = module.lattice_points(2)
-    edges, edge_of_side = module.unique_edges(tets)
-    finer = np.concatenate([2 * points, points[edges].sum(axis=1)])
-    ends = np.concatenate([tets, edge_of_side + len(points)], axis=1)[:, module._DIAGONALS]
-    lengths = ((finer[ends[..., 0]] - finer[ends[..., 1]]) ** 2).sum(axis=-1)
+    lattice = cube_lattice(2)
+    midpoints = lattice.points[lattice.tets][:, EDGES].sum(axis=2)
+    lengths = ((midpoints[:, :3] - midpoints[:, :2:-1]) ** 2).sum(axis=-1)  # edges k and 5 - k are opposite
     ties = (lengths == lengths.min(axis=1, keepdims=True)).sum(axis=1) > 1
     assert 0.3 < ties.mean() < 0.7
 
 
 @pytest.mark.parametrize("cells", range(1, 11))
 def test_snapping_leaves_lattices_alone(cells):
-    assert subdivide_hierarchy(cube_lattice(cells), 1).digest == build_hierarchy(cells, 1).digest
+    assert subdivide_hierarchy(cube_lattice(cells).grid, 1).digest == build_hierarchy(cells, 1).digest
 
 
 def test_a_grid_outside_the_cube_is_refused():
-    base = cube_lattice(1)
+    base = cube_lattice(1).grid
     with pytest.raises(ValueError, match="outside the unit cube"):
         subdivide_hierarchy(TetGrid(base.vertices + 0.1, base.tets), 1)
 

@@ -171,7 +171,7 @@ def test_a_piece_in_a_cavity_belongs_there(fine_grid):
 
 def test_voids_that_touch_in_an_edge_are_told_apart():
     """Two tets taken out of a lattice that share an edge only, and two that share a vertex."""
-    grid = cube_lattice(3)
+    grid = cube_lattice(3).grid
     inner = np.flatnonzero((np.abs(grid.vertices[grid.tets] - 0.5) < 0.49).all(axis=(1, 2)))
     seen = set()
     for one, other in combinations(inner, 2):
@@ -217,7 +217,7 @@ def test_vertices_without_tets_do_not_count():
 @settings(max_examples=10, deadline=None)
 def test_numbering_place_and_size_play_no_part(seed):
     rng = np.random.default_rng(seed)
-    lattice = cube_lattice(1)
+    lattice = cube_lattice(1).grid
     tets = lattice.tets[rng.random(len(lattice.tets)) < 0.6]
     if len(tets) == 0:
         return

@@ -1,10 +1,11 @@
 """Fields of closed surface meshes, for one shape and for a shard."""
 
 from pathlib import Path
+from typing import Literal
 
 import igl
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from rich.console import Console
 from rich.progress import track
 
@@ -12,8 +13,10 @@ from tetgan.fields.field import Field
 from tetgan.fields.store import write_shard
 from tetgan.geometry.components import label_components
 from tetgan.geometry.inside import is_inside
+from tetgan.grids.graded import GradedGrid, graded_grid
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import grid_from_options
+from tetgan.grids.lattice import Lattice
 from tetgan.grids.options import GridOptions
 from tetgan.shapes.archive import read_meshes
 
@@ -30,13 +33,62 @@ def extract_field(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
     Raises:
         ValueError: the mesh has no faces.
     """
-    if len(faces) == 0:
-        raise ValueError("a mesh without faces has no field")
-    vertices, faces = np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int64)
+    vertices, faces = _contiguous(vertices, faces)
     squared, _, closest = igl.point_mesh_squared_distance(grid.centroids, vertices, faces)
     asked, region = _regions(np.sqrt(squared), grid)
     occupied = is_inside(grid.centroids[asked], vertices, faces)
     return Field(occupied[region], (closest - grid.centroids).astype(np.float32))
+
+
+def extract_graded(
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+    base: Lattice,
+    depth: int,
+    *,
+    reach: float = 1.0,
+    interior: Literal["graded", "fine"] = "graded",
+) -> tuple[GradedGrid, Field]:
+    """The field of `extract_field` on a lattice that is fine only near the surface.
+
+    Every tet that comes within `reach` of the surface is of the finest level, with the values that it has on
+    `subdivide_lattice(base, depth).finest`: a tet is subdivided unless the distance of its centroid shows
+    that no point of it is that near.
+
+    Args:
+        vertices, faces: a closed surface that faces outward, in the unit cube.
+        base: a lattice that covers the unit cube.
+        depth: number of subdivisions near the surface.
+        reach: in longest edges of the finest level; 1 makes all tets fine at the ends of every edge that the
+            surface crosses.
+        interior: `fine` subdivides all tets inside as well.
+
+    Raises:
+        ValueError: the mesh has no faces.
+    """
+    vertices, faces = _contiguous(vertices, faces)
+    margin = reach * base.longest_edge / (base.unit * 2**depth)
+
+    def choose(level: int, corners: Float[np.ndarray, "N 4 3"]) -> Bool[np.ndarray, "N"]:
+        centroids = corners.mean(axis=1)
+        radii = np.linalg.norm(corners - centroids[:, None], axis=2).max(axis=1)
+        squared, _, _ = igl.point_mesh_squared_distance(centroids, vertices, faces)
+        chosen = np.sqrt(squared) <= radii + margin
+        if interior == "fine":
+            chosen[~chosen] = is_inside(centroids[~chosen], vertices, faces)
+        return chosen
+
+    grid = graded_grid(base, depth, choose)
+    return grid, extract_field(vertices, faces, grid)
+
+
+def _contiguous(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"]
+) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
+    """A mesh as libigl takes it."""
+    if len(faces) == 0:
+        raise ValueError("a mesh without faces has no field")
+    return np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.int64)
 
 
 def _regions(

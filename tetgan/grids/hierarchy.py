@@ -1,9 +1,8 @@
-"""1-to-8 subdivision, and the hierarchy of grids it makes."""
+"""Hierarchies of grids, made by 1-to-8 subdivision."""
 
 import hashlib
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -11,28 +10,10 @@ from jaxtyping import Float, Int
 from tetgan.errors import UserError
 from tetgan.geometry.adjacency import unique_edges
 from tetgan.grids.grid import TetGrid
-from tetgan.grids.lattice import lattice_points
+from tetgan.grids.lattice import Lattice, cube_lattice
 from tetgan.grids.options import GridOptions
+from tetgan.grids.subdivision import CHILDREN, shortest_diagonal
 from tetgan.grids.tetfile import read_tet
-
-# Local vertices of a tet whose edges are cut: corners 0-3, then the midpoints of 01 02 03 12 13 23.
-_CORNER_TETS = [[0, 4, 5, 6], [4, 1, 7, 8], [5, 7, 2, 9], [6, 8, 9, 3]]
-
-
-# The corner tets leave an octahedron: its diagonals, each with the four midpoints that turn around it.
-_DIAGONALS = [(4, 9), (5, 8), (6, 7)]
-
-_RINGS = [(5, 6, 8, 7), (4, 7, 9, 6), (4, 5, 9, 8)]
-
-
-# (diagonal, child, local vertex)
-_CHILDREN = np.array(
-    [
-        _CORNER_TETS + [[*ends, *side] for side in pairwise([*ring, ring[0]])]
-        for ends, ring in zip(_DIAGONALS, _RINGS, strict=True)
-    ]
-)
-
 
 # Grids read from files are snapped to multiples of 1/630,000: coarser than the single-precision noise of
 # `.tet` files (0.8 is 0.8000001 there), so equal lengths compare equal, and exact for decimals of four
@@ -67,8 +48,12 @@ class GridHierarchy:
 
 def build_hierarchy(cells: int, depth: int) -> GridHierarchy:
     """The cube lattice of `cells` cells a side, subdivided `depth` times."""
-    points, tets = lattice_points(cells)
-    return _subdivide(points, tets, 2 * cells, depth)
+    return subdivide_lattice(cube_lattice(cells), depth)
+
+
+def subdivide_lattice(base: Lattice, depth: int) -> GridHierarchy:
+    """A lattice subdivided `depth` times."""
+    return _subdivide(base.points, base.tets, base.unit, depth)
 
 
 def subdivide_hierarchy(base: TetGrid, depth: int) -> GridHierarchy:
@@ -121,22 +106,8 @@ def _subdivide_once(
     edges, edge_of_side = unique_edges(tets)
     finer = np.concatenate([2 * points, points[edges].sum(axis=1)])
     local = np.concatenate([tets, edge_of_side + len(points)], axis=1)
-    children = _CHILDREN[_shortest_diagonal(finer, local)]
+    children = CHILDREN[shortest_diagonal(points[tets], tets)]
     return finer, np.take_along_axis(local[:, None], children, axis=2).reshape(-1, 4)
-
-
-def _shortest_diagonal(
-    points: Int[np.ndarray, "V 3"], local: Int[np.ndarray, "T 10"]
-) -> Int[np.ndarray, "T"]:
-    """Which of the three diagonals splits each octahedron.
-
-    Lengths are exact integers. Ties are common, and go to the diagonal that has the midpoint of smallest
-    index in the grid, a rule that does not see the order of a tet's own vertices.
-    """
-    ends = local[:, _DIAGONALS]
-    lengths = ((points[ends[..., 0]] - points[ends[..., 1]]) ** 2).sum(axis=-1)
-    shortest = lengths == lengths.min(axis=1, keepdims=True)
-    return np.where(shortest, ends.min(axis=-1), len(points)).argmin(axis=1)
 
 
 def grid_from_options(options: GridOptions) -> GridHierarchy:
