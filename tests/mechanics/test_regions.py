@@ -6,8 +6,9 @@ import pytest
 from tetgan.errors import UserError
 from tetgan.mechanics.assembly import Body
 from tetgan.mechanics.errors import UnfitError
-from tetgan.mechanics.regions import SIDES, Load, Support, carry_over, choose_faces, parse_load, parse_support
+from tetgan.mechanics.regions import Load, Support, carry_over, choose_faces, parse_load, parse_support
 from tetgan.mechanics.simulation import cut_tets
+from tetgan.solids.regions import SIDES
 
 
 @pytest.fixture(scope="module")

@@ -27,8 +27,9 @@ from tetgan.mechanics.assembly import (
 from tetgan.mechanics.errors import UnfitError
 from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.pieces import count_free_motions, label_pieces
-from tetgan.mechanics.regions import DOWN, BoundaryFaces, carry_over, choose_faces, parse_load, parse_support
+from tetgan.mechanics.regions import DOWN, carry_over, choose_faces, parse_load, parse_support
 from tetgan.mechanics.solver import DIRECT_BELOW, Solution, solve
+from tetgan.solids.regions import BoundaryFaces
 
 
 def cut_tets(solid: TetMesh, times: int) -> TetMesh:
