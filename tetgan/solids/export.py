@@ -10,6 +10,7 @@ from jaxtyping import Int
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.geometry.triangles import TriangleMesh
+from tetgan.solids import usd
 from tetgan.solids.abaqus import Section, write_inp
 from tetgan.solids.elements import Elements, linear_elements
 from tetgan.solids.msh import VERSIONS, write_msh
@@ -19,7 +20,7 @@ from tetgan.solids.units import UNITS, UnitSystem
 SURFACES = (".ply", ".obj", ".stl", ".off", ".glb")
 """Formats of `write_surface`."""
 
-SOLIDS = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz")
+SOLIDS = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz", *usd.SUFFIXES)
 """Formats of `write_tets` that are tested with other programs; it writes what else meshio does."""
 
 QUADRATIC = (".msh", ".vtu", ".vtk", ".inp", ".xdmf")
@@ -79,7 +80,7 @@ def write_tets(
 
     Args:
         msh_version: of Gmsh's format; most solvers read 2.2.
-        system: units of the coordinates, told in `.inp`.
+        system: units of the coordinates, told in `.inp` and USD.
         section: material of the whole solid, for `.inp`.
 
     Raises:
@@ -101,6 +102,8 @@ def write_tets(
             write_inp(partial, elements, system, section)
         elif suffix == ".msh":
             write_msh(partial, elements, msh_version)
+        elif suffix in usd.SUFFIXES:
+            usd.write_usd(partial, elements, system.length)
         else:
             _write_meshio(path, partial, elements)
 
