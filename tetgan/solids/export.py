@@ -84,8 +84,8 @@ def write_tets(
         section: material of the whole solid, for `.inp`.
 
     Raises:
-        UserError: meshio cannot write that suffix, it has no elements of that degree, or there is no such
-            version.
+        UserError: meshio cannot write that suffix, it has no elements of that degree, there is no such
+            version, or usd-core is not installed.
     """
     suffix = Path(path).suffix.lower()
     elements = mesh if isinstance(mesh, Elements) else linear_elements(mesh)
@@ -95,6 +95,8 @@ def write_tets(
         raise UserError(
             f"{path}: '{suffix}' has no elements of degree 2; use {' '.join(QUADRATIC)}, or --order 1"
         )
+    if suffix in usd.SUFFIXES:
+        usd.load_pxr(path)  # before the file has its temporary name, which an error would tell
     with whole_file(path) as partial:
         if suffix == ".npz":
             np.savez_compressed(partial, vertices=elements.nodes, tets=elements.tets, faces=elements.faces)

@@ -24,7 +24,7 @@ def write_usd(path: Path, elements: Elements, metres_per_unit: float) -> None:
     Raises:
         UserError: usd-core is not installed.
     """
-    pxr = _import(path)
+    pxr = load_pxr(path)
     stage = pxr.Usd.Stage.CreateInMemory()
     pxr.UsdGeom.SetStageUpAxis(stage, pxr.UsdGeom.Tokens.y)
     pxr.UsdGeom.SetStageMetersPerUnit(stage, metres_per_unit)
@@ -45,7 +45,7 @@ def read_usd(path: Path) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "T 4
     Raises:
         UserError: usd-core is not installed, the file cannot be read, or holds no tet mesh.
     """
-    pxr = _import(path)
+    pxr = load_pxr(path)
     try:
         # A layer of its own: one that is open elsewhere may be older than the file.
         stage = pxr.Usd.Stage.Open(pxr.Sdf.Layer.OpenAsAnonymous(str(path)))
@@ -80,7 +80,12 @@ def _integers(values: Int[np.ndarray, "N K"]) -> Int[np.ndarray, "N K"]:
     return np.ascontiguousarray(values, dtype=np.int32)
 
 
-def _import(path: Path) -> Any:
+def load_pxr(path: str | Path) -> Any:
+    """Pixar's package, for a file.
+
+    Raises:
+        UserError: usd-core is not installed.
+    """
     try:
         for name in ("Sdf", "Tf", "Usd", "UsdGeom", "Vt"):
             importlib.import_module(f"pxr.{name}")
