@@ -116,6 +116,59 @@ def test_meshes_of_several_folders_keep_their_places_and_a_broken_one_is_listed(
     assert not json.loads((tmp_path / "out" / "others" / "broken.npz.json").read_text())["valid"]
 
 
+def test_export_for_a_solver_scales_the_mesh_and_its_material(folder, tmp_path):
+    sphere = tmp_path / "sphere.ply"
+    sphere.write_text(
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+    )
+    arguments = ["--order", "2", "--onto", sphere, "--units", "mm", "--scale", "0.5", "--material", "steel"]
+    outputs = tmp_path / "a.inp", tmp_path / "a.vtu"
+    done = run("export", folder / "good.vtu", *outputs, *arguments, "--group", "back=z=0")
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("boundary edges: ")
+    for path in outputs:
+        mesh = meshio.read(path)
+        assert mesh.points.max() == 500 and mesh.cells_dict["tetra10"].shape == (1, 10)
+    assert mesh.point_data["back"].sum() == 6 and mesh.cell_data["back"][0].tolist() == [1]
+    text = outputs[0].read_text()
+    assert "** Units: mm, N, tonne, s, MPa" in text
+    assert "*ELASTIC\n2.100000000e+05, 0.3\n*DENSITY\n7.850000000e-09\n" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--units", "km"], "export: units: Input should be 'm', 'cm', 'mm' or 'in'"),
+        (["--scale", "0"], "export: scale: Input should be greater than 0"),
+        (["--order", "3"], "export: order: Input should be 1 or 2"),
+        (["--onto", "a.ply"], "--onto: a.ply: only elements of degree 2 have nodes to move; add --order 2"),
+        (
+            ["--onto", "a.ply", "--order", "2"],
+            "--onto: a.ply: no surface there; give a file of triangles, such as .ply",
+        ),
+        (["--material", "cheese"], "--material: no preset 'cheese'; known are pinewood, steel, rubber, or"),
+        (
+            ["--material", "{young: -1, poisson: 0.3, density: 1}"],
+            "--material: young: Input should be",
+        ),
+        (["--group", "seat"], "--group: 'seat' is not of the form name=region, such as 'seat=y=0.4'"),
+    ],
+)
+def test_a_mistake_in_an_export_is_one_line(folder, monkeypatch, capsys, arguments, told):
+    out = folder / "out"
+    line = error_of(monkeypatch, capsys, "export", folder / "good.vtu", out / "a.inp", *arguments)
+    assert line.startswith(f"error: {told}")
+    assert not out.exists()
+
+
+def test_a_material_without_inp_is_one_line(folder, tmp_path, monkeypatch, capsys):
+    line = error_of(
+        monkeypatch, capsys, "export", folder / "good.vtu", tmp_path / "a.msh", "--material", "steel"
+    )
+    assert line == "error: --material: 'steel' can be written into .inp alone; add such a file"
+
+
 def test_an_unknown_version_is_one_line(folder, tmp_path, monkeypatch, capsys):
     line = error_of(
         monkeypatch, capsys, "export", folder / "good.vtu", tmp_path / "a.msh", "--msh-version", "3"

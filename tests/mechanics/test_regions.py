@@ -6,8 +6,9 @@ import pytest
 from tetgan.errors import UserError
 from tetgan.mechanics.assembly import Body
 from tetgan.mechanics.errors import UnfitError
-from tetgan.mechanics.regions import SIDES, Load, Support, carry_over, choose_faces, parse_load, parse_support
+from tetgan.mechanics.regions import Load, Support, carry_over, choose_faces, parse_load, parse_support
 from tetgan.mechanics.simulation import cut_tets
+from tetgan.solids.regions import SIDES
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,15 @@ def test_a_box_holds_the_faces_centred_in_it(faces):
     half = choose_faces("0,1,0:0.5,1,1", faces, 0.05)
     assert half.sum() == 16
     assert np.array_equal(half, choose_faces("0.5,1,1:0,1,0", faces, 0.05))
+
+
+def test_a_plane_holds_the_faces_in_it_and_either_side_of_one_those_beyond(faces):
+    assert np.array_equal(choose_faces("y=1", faces, 0.05), choose_faces("top", faces, 0.05))
+    below, above = (choose_faces(f"x{relation}0.5", faces, 0.05) for relation in "<>")
+    assert (below ^ above).all() and below.sum() == above.sum() == 32 + 4 * 16
+    assert choose_faces("surface", faces, 0.05).sum() == 6 * 32
+    assert parse_load("y=1=500N") == Load("y=1", (0.0, -500.0, 0.0))
+    assert parse_support("y<.1/y") == Support("y<.1", (False, True, False))
 
 
 def test_an_empty_region_says_where_the_mesh_is(faces):

@@ -1,9 +1,11 @@
 """Whole simulations: what comes out, what is written, and what is refused."""
 
+import re
 from dataclasses import replace
 
 import meshio
 import numpy as np
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
@@ -113,6 +115,20 @@ def test_pieces_that_touch_in_an_edge_alone_are_two(bar):
     tets = np.concatenate([cube.tets, cube.tets + len(cube.vertices)])
     with pytest.raises(UnfitError, match="1 of 2 pieces"):
         simulate(TetMesh(places, merged.reshape(-1)[tets]), LoadCase())
+
+
+def test_the_largest_piece_comes_with_the_share_left_out(crooked, bar, tmp_path):
+    crumb = bar(1, 1, length=0.5, side=0.5)  # an eighth of the cube's volume, a ninth of both
+    both = beside(crooked, crumb, by=2.0)
+    write_tets(tmp_path / "both.vtu", SolidMesh(both.vertices, both.tets, boundary_faces(both.tets)))
+    arguments = ["simulate", str(tmp_path / "both.vtu"), "--order", "1"]
+    whole = CliRunner().invoke(app, arguments, catch_exceptions=False)
+    assert re.search(r"left out +│ nothing", whole.output)
+    figure = ["--largest", "--figure", str(tmp_path / "piece.png")]
+    piece = CliRunner().invoke(app, [*arguments, *figure], catch_exceptions=False)
+    assert re.search(r"left out +│ 11\.111% of the volume", piece.output)
+    record = pd.read_csv(tmp_path / "piece.csv").iloc[0]
+    assert record["left_out"] == pytest.approx(1 / 9) and record["tets"] == len(crooked.tets)
 
 
 @pytest.mark.parametrize(("fix", "ways"), [(["floor/y"], 3), (["floor/x"], 4), (["left/x", "floor/y"], 1)])

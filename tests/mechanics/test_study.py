@@ -109,6 +109,7 @@ def test_a_file_that_is_no_study_is_named(tmp_path):
 def test_the_figure_shows_the_first_whole_one_that_stands(samples):
     found = first_standing(samples, CASE)
     assert (found.sample, found.whole, found.standing) == ("4", True, True)
+    assert found.result.record()["left_out"] == 0
 
 
 def test_without_such_a_one_it_shows_the_largest_piece_of_another(samples, tmp_path):
@@ -121,6 +122,7 @@ def test_without_such_a_one_it_shows_the_largest_piece_of_another(samples, tmp_p
     )
     found = first_standing(tmp_path, CASE)
     assert (found.sample, found.whole, found.standing) == ("3", False, True)
+    assert 0 < found.result.record()["left_out"] < 0.1
 
 
 def test_a_column_that_leans_too_far_does_not_stand(leaning, bar):

@@ -22,8 +22,9 @@ def simulate(
     fix: Annotated[
         list[str] | None,
         typer.Option(
-            help="Region held still: floor, top, left, right, back, front, or a box x,y,z:x,y,z in the mesh's"
-            " units; floor/y holds the vertical direction alone. May be repeated.  [default: floor]"
+            help="Region held still: floor, top, left, right, back, front, surface, a box x,y,z:x,y,z, a"
+            " plane 'y=0', or a side of one 'y<0.1', in the mesh's units; floor/y holds one direction alone."
+            " May be repeated.  [default: floor]"
         ),
     ] = None,
     load: Annotated[
@@ -38,7 +39,9 @@ def simulate(
     order: Annotated[int, typer.Option(help="Degree of the elements; degree 1 is too stiff in bending.")] = 2,
     refine: Annotated[int, typer.Option(help="Times that each tet is cut into eight first.")] = 0,
     reach: Annotated[float, typer.Option(help="Depth of a side, over the mesh's longest extent.")] = 0.05,
-    largest: Annotated[bool, typer.Option(help="Simulate the largest piece alone.")] = False,
+    largest: Annotated[
+        bool, typer.Option(help="Simulate the largest piece alone; tells the share of the volume left out.")
+    ] = False,
     out: Annotated[
         Path | None, typer.Option(help="Mesh (.vtu, .vtk) to write, with displacement and stress.")
     ] = None,
@@ -51,6 +54,8 @@ def simulate(
     Example: `tetgan simulate table.vtu --material pinewood --fix floor --load top=500N --size 0.8
     --out bent.vtu --figure bent.png`
     """
+    from dataclasses import replace
+
     from rich.console import Console
     from rich.table import Table
 
@@ -58,7 +63,7 @@ def simulate(
     from tetgan.mechanics.figure import write_figure
     from tetgan.mechanics.materials import Material, read_material
     from tetgan.mechanics.options import LoadCase
-    from tetgan.mechanics.pieces import largest_piece
+    from tetgan.mechanics.pieces import largest_piece, share_left_out
     from tetgan.mechanics.simulation import BODIES, readable_record, write_simulation
     from tetgan.mechanics.simulation import simulate as run
     from tetgan.rendering.plots import FIGURES
@@ -81,7 +86,8 @@ def simulate(
     case = LoadCase.parse(values, "simulate")
     solid = read_solid(mesh)
     try:
-        result = run(largest_piece(solid) if largest else solid, case)
+        piece = largest_piece(solid) if largest else solid
+        result = replace(run(piece, case), left_out=share_left_out(solid, piece))
     except UserError as error:
         raise UserError(f"{mesh}: {error}") from None
     if out is not None:

@@ -30,13 +30,23 @@ def face_neighbors(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "T 4"]:
     return neighbors.reshape(-1, 4)
 
 
-def boundary_faces(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "F 3"]:
-    """Faces with a tet on one side only, facing away from it when the tet is positive.
+def boundary_sides(tets: Int[np.ndarray, "T 4"]) -> tuple[Int[np.ndarray, "F"], Int[np.ndarray, "F"]]:
+    """Of each face with a tet on one side only, that tet and the local vertex opposite the face.
 
     Raises:
         ValueError: a face belongs to more than two tets.
     """
     rows, slots = np.nonzero(face_neighbors(tets) < 0)
+    return rows, slots
+
+
+def boundary_faces(tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "F 3"]:
+    """The faces of `boundary_sides`, facing away from their tet when it is positive.
+
+    Raises:
+        ValueError: a face belongs to more than two tets.
+    """
+    rows, slots = boundary_sides(tets)
     return np.take_along_axis(tets[rows], FACES[slots], axis=1)
 
 

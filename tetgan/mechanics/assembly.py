@@ -15,9 +15,8 @@ from scipy import sparse
 from skfem.element import ElementTetP1, ElementTetP2
 
 from tetgan.geometry.tets import TetMesh
-from tetgan.geometry.triangles import area_normals
 from tetgan.mechanics.materials import Material
-from tetgan.mechanics.regions import BoundaryFaces
+from tetgan.solids.regions import BoundaryFaces, faces_of_tets
 
 logging.getLogger("skfem").setLevel(logging.WARNING)  # else it tells of every basis and form
 
@@ -57,12 +56,8 @@ class Body(TetMesh):
     def boundary_faces(self, size: float) -> BoundaryFaces:
         """The same faces as regions choose from them, in mesh units of `size` metres."""
         corners = self.vertices[self.mesh.facets[:, self.boundary].T] / size
-        inner = self.vertices[self.tets[self.mesh.f2t[0, self.boundary]]].mean(axis=1) / size
-        normals = area_normals(corners)
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), np.finfo(float).tiny)
-        outward = np.einsum("fc,fc->f", normals, corners.mean(axis=1) - inner) > 0
-        low, high = self.vertices.min(axis=0) / size, self.vertices.max(axis=0) / size
-        return BoundaryFaces(corners, np.where(outward[:, None], normals, -normals), low, high)
+        tets = self.vertices[self.tets[self.mesh.f2t[0, self.boundary]]] / size
+        return faces_of_tets(corners, tets)
 
     def nodes_of(self, chosen: Bool[np.ndarray, "F"]) -> Int[np.ndarray, "M"]:
         """Nodes on some of the boundary faces."""

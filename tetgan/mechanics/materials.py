@@ -4,6 +4,8 @@ from pydantic import Field
 
 from tetgan.errors import UserError
 from tetgan.options import Options
+from tetgan.solids.abaqus import Section
+from tetgan.solids.units import UnitSystem
 
 
 class Material(Options):
@@ -36,6 +38,11 @@ steel: structural steel, EN 1993-1-1:2005, 3.2.6; unit weight 77.0 kN/m^3 by EN 
 rubber: vulcanised natural rubber at small strain, MatWeb's datasheet of that name: shear modulus 0.5 MPa, a
 third of Young's, and 950 kg/m^3. It keeps its volume, so its ratio is all but 0.5; taken as 0.49.
 """
+
+
+def section_of(name: str, material: Material, system: UnitSystem) -> Section:
+    """The material in the units of a solver's file."""
+    return Section(name, system.stress(material.young), material.poisson, system.density(material.density))
 
 
 def read_material(text: str) -> str:

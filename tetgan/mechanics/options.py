@@ -6,6 +6,7 @@ from pydantic import Field
 
 from tetgan.mechanics.materials import MATERIALS, Material
 from tetgan.options import Options
+from tetgan.solids.regions import REACH
 
 
 class LoadCase(Options):
@@ -17,8 +18,9 @@ class LoadCase(Options):
     fix: list[str] = Field(
         ["floor"],
         min_length=1,
-        description="regions held still: floor, top, left, right, back, front, or two corners of a box,"
-        " x,y,z:x,y,z, in the units of the mesh; '/y' behind one holds that component alone",
+        description="regions held still: floor, top, left, right, back, front, surface, two corners of a"
+        " box x,y,z:x,y,z, a plane y=0, or a side of it y<0.1, in the units of the mesh; '/y' behind one"
+        " holds that component alone",
     )
     load: list[str] = Field(
         ["top=500N"],
@@ -29,7 +31,7 @@ class LoadCase(Options):
     order: Literal[1, 2] = Field(2, description="degree of the elements; those of degree 1 lock in bending")
     refine: int = Field(0, ge=0, le=3, description="times that each tet is cut into eight first")
     reach: float = Field(
-        0.05,
+        REACH,
         ge=0,
         le=1,
         description="depth of a side such as the floor, from the outermost face that looks there, over the"

@@ -38,6 +38,13 @@ def largest_piece(solid: TetMesh) -> TetMesh:
     return TetMesh(solid.vertices[used], compact.reshape(-1, 4))
 
 
+def share_left_out(solid: TetMesh, piece: TetMesh) -> float:
+    """Share of a solid's volume that a piece of it lacks, 0 to 1; exactly 0 where the piece is all."""
+    if len(piece.tets) == len(solid.tets):
+        return 0.0
+    return 1 - float(np.abs(piece.volumes).sum() / np.abs(solid.volumes).sum())
+
+
 def count_free_motions(points: Float[np.ndarray, "N 3"], held: Bool[np.ndarray, "N 3"]) -> int:
     """Rigid motions of a piece that its supports do not prevent, 0 to 6.
 

@@ -1,47 +1,21 @@
-"""Regions of a boundary, by name or box, where a body is held or loaded."""
+"""Regions of a boundary where a body is held or loaded."""
 
 import re
 from dataclasses import dataclass
-from functools import cached_property
 
 import igl
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool
 
 from tetgan.errors import UserError
 from tetgan.mechanics.errors import UnfitError
-
-SIDES = {"left": (0, -1), "right": (0, 1), "floor": (1, -1), "top": (1, 1), "back": (2, -1), "front": (2, 1)}
-"""Axis and direction of each named side; y points up, z to the front."""
+from tetgan.solids.regions import BoundaryFaces, emptiness, find_faces
 
 DOWN = (0.0, -1.0, 0.0)
-
-_FACING = 0.5  # cosine of the angle up to which a face looks to the side it belongs to
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 
 _FORCE = re.compile(rf"({_NUMBER}(?:,{_NUMBER},{_NUMBER})?) ?(k?)N")
-
-
-@dataclass(frozen=True, eq=False)
-class BoundaryFaces:
-    """Boundary faces from which regions choose.
-
-    Attributes:
-        corners: (F, 3, 3) of each face its corners, in the units of the mesh.
-        normals: (F, 3) unit normals, outward.
-        low, high: (3,) corners of the box around the mesh.
-    """
-
-    corners: Float[np.ndarray, "F 3 3"]
-    normals: Float[np.ndarray, "F 3"]
-    low: Float[np.ndarray, "3"]
-    high: Float[np.ndarray, "3"]
-
-    @cached_property
-    def middles(self) -> Float[np.ndarray, "F 3"]:
-        """Centroids of the faces."""
-        return self.corners.mean(axis=1)
 
 
 @dataclass(frozen=True)
@@ -91,7 +65,7 @@ def parse_load(text: str) -> Load:
 
 
 def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.ndarray, "F"]:
-    """Faces of a region: by name those that look to a side and lie near it, or those centred in a box.
+    """Faces of a region, at least one; see `find_faces`.
 
     Args:
         reach: depth of a named side, over the mesh's longest extent.
@@ -100,16 +74,9 @@ def choose_faces(region: str, faces: BoundaryFaces, reach: float) -> Bool[np.nda
         UserError: no such region.
         UnfitError: nothing in it.
     """
-    if region in SIDES:
-        chosen = _at_side(*SIDES[region], faces, reach)
-    else:
-        chosen = _inside(*_corners(region), faces.middles)
+    chosen = find_faces(region, faces, reach)
     if not chosen.any():
-        low, high = (",".join(f"{value:.3g}" for value in corner) for corner in (faces.low, faces.high))
-        remedy = "give a larger reach, or a box" if region in SIDES else "move its corners"
-        raise UnfitError(
-            "empty region", f"region '{region}' holds no face of the mesh, which spans {low}:{high}; {remedy}"
-        )
+        raise UnfitError("empty region", emptiness(region, faces))
     return chosen
 
 
@@ -122,31 +89,3 @@ def carry_over(
         others.middles, vertices, np.arange(3 * count).reshape(-1, 3)
     )
     return chosen[nearest]
-
-
-def _at_side(axis: int, direction: int, faces: BoundaryFaces, reach: float) -> Bool[np.ndarray, "F"]:
-    """Faces that look to a side, and lie little further in than the outermost of them."""
-    looking = direction * faces.normals[:, axis] > _FACING
-    height = direction * faces.middles[:, axis]
-    depth = (reach + 1e-9) * float((faces.high - faces.low).max())
-    return looking & (height >= height.max(where=looking, initial=-np.inf) - depth)
-
-
-def _inside(
-    low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"], points: Float[np.ndarray, "F 3"]
-) -> Bool[np.ndarray, "F"]:
-    slack = 1e-9 * max(1.0, float(np.abs(points).max(initial=0)))
-    inside = (points >= low - slack) & (points <= high + slack)
-    return np.asarray(inside.all(axis=1))
-
-
-def _corners(region: str) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
-    """Corners of the box `x,y,z:x,y,z`, in either order."""
-    corners = [corner.split(",") for corner in region.split(":")]
-    try:
-        one, other = (np.array([float(number) for number in corner]) for corner in corners)
-        if one.shape != (3,) or other.shape != (3,):
-            raise ValueError
-    except ValueError:
-        raise UserError(f"region '{region}' is none of {', '.join(SIDES)}, nor a box 'x,y,z:x,y,z'") from None
-    return np.minimum(one, other), np.maximum(one, other)

@@ -27,8 +27,9 @@ from tetgan.mechanics.assembly import (
 from tetgan.mechanics.errors import UnfitError
 from tetgan.mechanics.options import LoadCase
 from tetgan.mechanics.pieces import count_free_motions, label_pieces
-from tetgan.mechanics.regions import DOWN, BoundaryFaces, carry_over, choose_faces, parse_load, parse_support
+from tetgan.mechanics.regions import DOWN, carry_over, choose_faces, parse_load, parse_support
 from tetgan.mechanics.solver import DIRECT_BELOW, Solution, solve
+from tetgan.solids.regions import BoundaryFaces
 
 
 def cut_tets(solid: TetMesh, times: int) -> TetMesh:
@@ -74,6 +75,7 @@ class Simulation:
         feet: (P, 3) nodes that are held, in the units of the mesh.
         mass: in kg.
         unknowns, solution: how large the equations were, and how they were solved.
+        left_out: share of the volume of the given mesh that was not simulated; see `largest_piece`.
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -90,6 +92,7 @@ class Simulation:
     mass: float
     unknowns: int
     solution: Solution
+    left_out: float = 0.0
 
     def record(self) -> dict[str, float | int | str]:
         """Figures of the simulation, by name; lengths in metres, stresses in Pa.
@@ -103,6 +106,7 @@ class Simulation:
             "method": self.solution.method,
             "iterations": self.solution.iterations,
             "residual": self.solution.residual,
+            "left_out": self.left_out,
             "mass": self.mass,
             "peak_displacement": float(np.linalg.norm(self.displacement, axis=1).max()),
             "peak_stress": float(self.stress.max()),
@@ -291,6 +295,7 @@ def readable_record(result: Simulation) -> dict[str, str]:
         "tets": f"{record['tets']:,}",
         "unknowns": f"{record['unknowns']:,}",
         "solver": f"{record['method']}, {record['iterations']} iterations, residual {record['residual']:.0e}",
+        "left out": f"{record['left_out']:.3%} of the volume" if record["left_out"] else "nothing",
         "mass": f"{record['mass']:.4g} kg",
         "load": f"{record['load']:.4g} N",
         "sum of load and reaction": f"{record['imbalance']:.0e} of the load",

@@ -4,6 +4,7 @@ import logging
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -19,7 +20,7 @@ from tetgan.files import whole_file
 from tetgan.geometry.tets import TetMesh, orientations, tet_volumes
 from tetgan.mechanics.errors import UnfitError
 from tetgan.mechanics.options import LoadCase, SimulationOptions
-from tetgan.mechanics.pieces import label_pieces, largest_piece
+from tetgan.mechanics.pieces import label_pieces, largest_piece, share_left_out
 from tetgan.mechanics.remesh import RemeshWorker, can_remesh
 from tetgan.mechanics.simulation import Simulation, simulate
 from tetgan.shapes.cleaning import ShapeError
@@ -88,12 +89,12 @@ def first_standing(samples: Path, case: LoadCase) -> Shown:
     """
     folder = finished_samples(samples)
     fallback: Shown | None = None
-    for name, solid, whole in _pieces_in_order(folder):
+    for name, piece, left_out in _pieces_in_order(folder):
         try:
-            result = simulate(solid, case)
+            result = replace(simulate(piece, case), left_out=left_out)
         except UnfitError:
             continue
-        found = Shown(name, result, whole, is_standing(result))
+        found = Shown(name, result, left_out == 0, is_standing(result))
         if found.standing:
             return found
         fallback = fallback or found
@@ -102,9 +103,9 @@ def first_standing(samples: Path, case: LoadCase) -> Shown:
     return fallback
 
 
-def _pieces_in_order(folder: Path) -> Iterator[tuple[str, TetMesh, bool]]:
-    """Largest pieces of valid tets and whether each is all of its sample: first those that are."""
-    parts: list[tuple[str, TetMesh]] = []
+def _pieces_in_order(folder: Path) -> Iterator[tuple[str, TetMesh, float]]:
+    """Largest pieces of valid tets, and the share of each sample left out: first those that are all of it."""
+    parts: list[tuple[str, TetMesh, float]] = []
     for name in sample_ids(folder, "generated"):
         path = folder / "generated" / f"{name}.vtu"
         if not path.is_file():
@@ -117,10 +118,10 @@ def _pieces_in_order(folder: Path) -> Iterator[tuple[str, TetMesh, bool]]:
         if (orientations(piece.vertices, piece.tets) <= 0).any():
             continue
         if len(piece.tets) == len(solid.tets):
-            yield name, piece, True
+            yield name, piece, 0.0
         else:
-            parts.append((name, piece))
-    yield from ((name, piece, False) for name, piece in parts)
+            parts.append((name, piece, share_left_out(solid, piece)))
+    yield from parts
 
 
 def is_standing(result: Simulation) -> bool:

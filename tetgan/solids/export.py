@@ -1,37 +1,50 @@
 """Write meshes in the formats of other programs."""
 
 from pathlib import Path
-from typing import Any
 
 import meshio
 import numpy as np
 import trimesh
+from jaxtyping import Int
 
 from tetgan.errors import UserError
 from tetgan.files import whole_file
 from tetgan.geometry.triangles import TriangleMesh
+from tetgan.solids import usd
+from tetgan.solids.abaqus import Section, write_inp
+from tetgan.solids.elements import Elements, linear_elements
+from tetgan.solids.msh import VERSIONS, write_msh
 from tetgan.solids.solid import SolidMesh
+from tetgan.solids.units import UNITS, UnitSystem
 
 SURFACES = (".ply", ".obj", ".stl", ".off", ".glb")
 """Formats of `write_surface`."""
 
-SOLIDS = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz")
+SOLIDS = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz", *usd.SUFFIXES)
 """Formats of `write_tets` that are tested with other programs; it writes what else meshio does."""
 
-MSH_VERSIONS = {"2.2": "gmsh22", "4.1": "gmsh"}
-"""Of Gmsh's format, and what meshio calls them."""
+QUADRATIC = (".msh", ".vtu", ".vtk", ".inp", ".xdmf")
+"""Those that hold elements of degree 2; the same hold groups."""
 
 
-def write_mesh(path: str | Path, mesh: SolidMesh, *, msh_version: str = "2.2") -> None:
-    """Write the solid, or its boundary where the suffix is that of a surface.
+def write_mesh(
+    path: str | Path,
+    mesh: SolidMesh | Elements,
+    *,
+    msh_version: str = "2.2",
+    system: UnitSystem = UNITS["m"],
+    section: Section | None = None,
+) -> None:
+    """Write the solid, or its boundary where the suffix is that of a surface; see `write_tets`.
 
     Raises:
         UserError: no format has that suffix, or there is no such version.
     """
     if Path(path).suffix.lower() in SURFACES:
-        write_surface(path, mesh)
+        surface = mesh if isinstance(mesh, SolidMesh) else TriangleMesh(mesh.nodes, mesh.faces[:, :3])
+        write_surface(path, surface)
     else:
-        write_tets(path, mesh, msh_version=msh_version)
+        write_tets(path, mesh, msh_version=msh_version, system=system, section=section)
 
 
 def write_surface(path: str | Path, mesh: SolidMesh | TriangleMesh) -> None:
@@ -52,44 +65,71 @@ def write_surface(path: str | Path, mesh: SolidMesh | TriangleMesh) -> None:
             raise _unknown_format(path, "'.ply', '.obj' or '.stl'") from None
 
 
-def write_tets(path: str | Path, mesh: SolidMesh, *, msh_version: str = "2.2") -> None:
+def write_tets(
+    path: str | Path,
+    mesh: SolidMesh | Elements,
+    *,
+    msh_version: str = "2.2",
+    system: UnitSystem = UNITS["m"],
+    section: Section | None = None,
+) -> None:
     """Write the solid, in the format of the suffix: one of `SOLIDS`, or another that meshio writes.
 
-    `.npz` holds `vertices`, `tets` and `faces` as they are in memory.
+    `.npz` holds `vertices`, `tets` and `faces`. Groups are sets in `.inp`, physical groups in `.msh`, and 0
+    or 1 at the nodes and elements of `.vtu`, `.vtk` and `.xdmf`; other formats have none.
 
     Args:
         msh_version: of Gmsh's format; most solvers read 2.2.
+        system: units of the coordinates, told in `.inp` and USD.
+        section: material of the whole solid, for `.inp`.
 
     Raises:
-        UserError: meshio cannot write that suffix, or there is no such version.
+        UserError: meshio cannot write that suffix, it has no elements of that degree, there is no such
+            version, or usd-core is not installed.
     """
-    if msh_version not in MSH_VERSIONS:
+    suffix = Path(path).suffix.lower()
+    elements = mesh if isinstance(mesh, Elements) else linear_elements(mesh)
+    if msh_version not in VERSIONS:
         raise UserError(f"{path}: no version '{msh_version}' of Gmsh's format; use 2.2 or 4.1")
+    if elements.order == 2 and suffix not in QUADRATIC:
+        raise UserError(
+            f"{path}: '{suffix}' has no elements of degree 2; use {' '.join(QUADRATIC)}, or --order 1"
+        )
+    if suffix in usd.SUFFIXES:
+        usd.load_pxr(path)  # before the file has its temporary name, which an error would tell
     with whole_file(path) as partial:
-        if Path(path).suffix == ".npz":
-            np.savez_compressed(partial, vertices=mesh.vertices, tets=mesh.tets, faces=mesh.faces)
-            return
-        cells, how = _for_meshio(Path(path).suffix, mesh, msh_version)
-        try:
-            meshio.write(partial, cells, **how)
-        except (meshio.ReadError, meshio.WriteError):
-            raise _unknown_format(path, "'.msh' or '.vtu'") from None
+        if suffix == ".npz":
+            np.savez_compressed(partial, vertices=elements.nodes, tets=elements.tets, faces=elements.faces)
+        elif suffix == ".inp":
+            write_inp(partial, elements, system, section)
+        elif suffix == ".msh":
+            write_msh(partial, elements, msh_version)
+        elif suffix in usd.SUFFIXES:
+            usd.write_usd(partial, elements, system.length)
+        else:
+            _write_meshio(path, partial, elements)
 
 
-def _for_meshio(suffix: str, mesh: SolidMesh, msh_version: str) -> tuple[meshio.Mesh, dict[str, Any]]:
-    """What to write, and how."""
-    cells = meshio.Mesh(mesh.vertices, [("tetra", mesh.tets)])
-    if suffix == ".xdmf":
-        return cells, {"data_format": "XML"}  # one file; by default the arrays go to a second one, in HDF5
-    if suffix != ".msh":
-        return cells, {}
-    # By default meshio writes Ansys files under this suffix. Gmsh wants a group for each tet.
-    group = [np.ones(len(mesh.tets), dtype=np.int32)]
-    cells.cell_data = {"gmsh:physical": group, "gmsh:geometrical": group}
-    if msh_version == "4.1":  # here every vertex belongs to an entity as well: the one volume
-        one = np.array([3, 1], dtype=np.int32)
-        cells.point_data = {"gmsh:dim_tags": np.tile(one, (len(mesh.vertices), 1))}
-    return cells, {"file_format": MSH_VERSIONS[msh_version]}
+def _write_meshio(path: str | Path, partial: Path, elements: Elements) -> None:
+    suffix = Path(path).suffix.lower()
+    cells = meshio.Mesh(elements.nodes, [("tetra" if elements.order == 1 else "tetra10", elements.cells)])
+    if suffix in QUADRATIC:
+        for name in elements.groups:
+            cells.point_data[name] = _flags(elements.nodes_of(name), len(elements.nodes))
+            cells.cell_data[name] = [_flags(elements.cells_of(name), len(elements.cells))]
+    # One file; by default the arrays go to a second one, in HDF5.
+    how = {"data_format": "XML"} if suffix == ".xdmf" else {}
+    try:
+        meshio.write(partial, cells, **how)
+    except (meshio.ReadError, meshio.WriteError):
+        raise _unknown_format(path, "'.msh' or '.vtu'") from None
+
+
+def _flags(members: Int[np.ndarray, "M"], count: int) -> Int[np.ndarray, "N"]:
+    """1 for members, 0 for the others."""
+    flags = np.zeros(count, dtype=np.int32)  # meshio knows no shorter one in .xdmf
+    flags[members] = 1
+    return flags
 
 
 def _unknown_format(path: str | Path, remedy: str) -> UserError:

@@ -11,9 +11,10 @@ import trimesh
 from tetgan.errors import UserError
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.geometry.triangles import TriangleMesh
+from tetgan.solids import usd
 from tetgan.solids.solid import SolidMesh
 
-SUFFIXES = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz")
+SUFFIXES = (".msh", ".vtu", ".vtk", ".mesh", ".inp", ".xdmf", ".npz", *usd.SUFFIXES)
 """Formats that are looked for in folders; a file named by itself may have any that meshio reads."""
 
 _SOLID_CELLS = ("tetra", "hexahedron", "wedge", "pyramid", "polyhedron")
@@ -29,7 +30,12 @@ def read_tets(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """
     if not path.is_file():
         raise UserError(f"{path}: no such file")
-    vertices, tets = _read_arrays(path) if path.suffix == ".npz" else _read_meshio(path)
+    if path.suffix == ".npz":
+        vertices, tets = _read_arrays(path)
+    elif path.suffix.lower() in usd.SUFFIXES:
+        vertices, tets = usd.read_usd(path)
+    else:
+        vertices, tets = _read_meshio(path)
     if vertices.ndim != 2 or vertices.shape[1] != 3 or tets.ndim != 2 or tets.shape[1] != 4:
         raise UserError(
             f"{path}: expected vertices (V, 3) and tets (T, 4), got {vertices.shape}, {tets.shape}"
