@@ -65,6 +65,8 @@ def cut_solid(
         The solid; without tets where no distance is negative.
     """
     signs = np.where(distances < 0, -1, 1)
+    if not (signs < 0).any():
+        return SolidMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
     mixed = _of_both_signs(grid.tets, signs)
     makes_way, near = _surroundings(grid.tets, mixed, len(signs))
     crossed, crossings, lengths = _crossings(grid, grid.tets[mixed], distances)
