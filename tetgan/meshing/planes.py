@@ -11,7 +11,11 @@ from scipy.spatial import KDTree
 from tetgan.fields.field import Field
 from tetgan.geometry.tets import TetMesh
 
-_NEIGHBOURS = 16  # planes asked at a point
+_NEIGHBOURS = 12  # planes asked at a point
+
+_BLUR = 0.3  # a plane's foot is as well known as this share of how far away its centroid is
+
+_CONTRADICTION = 0.01  # weight of planes that face the other way, over that of planes that agree
 
 _CHUNK = 1 << 15  # points at once
 
@@ -22,7 +26,9 @@ class Planes:
 
     The distance to the planes of the nearest centroids, averaged, keeps parts thinner than a tet, which the
     distance to the closest point of the surface, interpolated linearly, loses: a plane goes on through the
-    other side of a thin part, where its value is still that of an inside.
+    other side of a thin part, where its value is still that of an inside. The planes that count most touch
+    the surface near the point and face the way that most do: the planes of the other side of a thin part, and
+    those around a convex one, all of which lie outside of it, would make both thicker.
 
     Attributes:
         centroids: (T, 3) where each plane is known.
@@ -82,9 +88,14 @@ class Planes:
     ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
         normals, heights = self.normals[nearest], self.distances[nearest]
         offsets = points[:, None] - self.centroids[nearest]
-        away = np.sqrt(np.einsum("nkc,nkc->nk", offsets, offsets))
         values = heights + np.einsum("nkc,nkc->nk", offsets, normals)
-        weights = 1 / np.maximum(away**3 * (np.abs(heights) + away / 4), np.finfo(float).tiny ** 0.5)
+        squares = np.einsum("nkc,nkc->nk", offsets, offsets)
+        # The square of how far the foot is, and of how far it may be.
+        feet = squares + 2 * heights * values - heights**2 + _BLUR**2 * squares
+        weights = 1 / np.maximum(squares * feet, np.finfo(float).tiny ** 0.5)
+        mean = np.einsum("nk,nkc->nc", weights, normals)
+        mean /= np.maximum(np.sqrt(np.einsum("nc,nc->n", mean, mean)), np.finfo(float).tiny)[:, None]
+        weights *= np.maximum(np.einsum("nkc,nc->nk", normals, mean), 0) + _CONTRADICTION
         weights /= weights.sum(axis=1, keepdims=True)
         return (weights * values).sum(axis=1), np.einsum("nk,nkc->nc", weights, normals)
 
