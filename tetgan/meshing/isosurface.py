@@ -17,6 +17,8 @@ from tetgan.solids.solid import SolidChanges, SolidMesh
 
 _RINGS = 2  # of vertices around the surface that make way for it
 
+_DRAWN = 0.75  # of an edge: a vertex as near to where the surface crosses it may be drawn there
+
 _HELD = 0.1  # of a cell: vertices of the surface further from it count as held back
 
 
@@ -69,8 +71,7 @@ def cut_solid(
         return SolidMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
     mixed = _of_both_signs(grid.tets, signs)
     makes_way, near = _surroundings(grid.tets, mixed, len(signs))
-    crossed, crossings, lengths = _crossings(grid, grid.tets[mixed], distances)
-    candidates, away = _nearest(crossed, lengths)
+    candidates, away = _nearest(*_beside_crossings(grid, grid.tets[mixed], distances))
     signs = snap_vertices(grid.tets[near], signs, candidates, away)
     cut = cut_tets(grid.tets[near], signs, grid.points)
     nodes = _where_zero(grid, cut.edges, distances)
@@ -119,7 +120,9 @@ def drop_small_pieces(mesh: SolidMesh, smallest: float) -> SolidMesh:
     return _solid(mesh.vertices, mesh.tets[~dropped[component]], changes)
 
 
-def _solid(points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"], changes: SolidChanges) -> SolidMesh:
+def _solid(
+    points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"], changes: SolidChanges
+) -> SolidMesh:
     used, corners = np.unique(tets, return_inverse=True)
     tets = corners.reshape(-1, 4)
     return SolidMesh(points[used], tets, boundary_faces(tets), changes)
@@ -150,17 +153,16 @@ def _where_zero(
     return (1 - share) * grid.vertices[edges[:, 0]] + share * grid.vertices[edges[:, 1]]
 
 
-def _crossings(
+def _beside_crossings(
     grid: GradedGrid, tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]
-) -> tuple[Int[np.ndarray, "E"], Float[np.ndarray, "E 3"], Float[np.ndarray, "E"]]:
-    """For each edge that the surface crosses its end nearer to it, the crossing, and how far apart they are."""
+) -> tuple[Int[np.ndarray, "N"], Float[np.ndarray, "N"]]:
+    """Ends of the edges that the surface crosses, where it is near enough to draw them, and how near it is."""
     edges, _ = unique_edges(tets)
     edges = edges[(distances[edges] < 0).sum(axis=1) == 1]
     places = _where_zero(grid, edges, distances)
     apart = np.linalg.norm(grid.vertices[edges] - places[:, None], axis=2)
-    nearer = apart.argmin(axis=1)
-    rows = np.arange(len(edges))
-    return edges[rows, nearer], places, apart[rows, nearer]
+    near = apart <= _DRAWN * apart.sum(axis=1, keepdims=True)
+    return edges[near], apart[near]
 
 
 def _nearest(
@@ -180,7 +182,7 @@ def _positive(points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) ->
 def _smooth(
     points: Float[np.ndarray, "M 3"], space: Space, surface: Surface, bounds: Bounds, beta: float
 ) -> Float[np.ndarray, "M 3"]:
-    """One step of Eq. 4, as far as every tet allows; the surface's normals are the displacements' directions."""
+    """One step of Eq. 4, as far as every tet allows; displacements have the directions of normals."""
     normals = np.zeros_like(points)
     normals[space.surface] = surface.distance_and_normal(points[space.surface])[1]
     faces = boundary_faces(space.corners[:, space.inside].T)
