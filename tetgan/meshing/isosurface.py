@@ -10,7 +10,7 @@ from tetgan.geometry.components import connect_tets
 from tetgan.geometry.tets import tet_volumes
 from tetgan.grids.graded import GradedGrid
 from tetgan.meshing.cutting import cut_tets
-from tetgan.meshing.relaxation import Bounds, Space, bounds_of, relax, step_within
+from tetgan.meshing.relaxation import Bounds, Projection, Space, bounds_of, relax, step_within
 from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.meshing.snapping import snap_vertices
 from tetgan.solids.solid import SolidChanges, SolidMesh
@@ -32,7 +32,7 @@ class Surface(Protocol):
         self, points: Float[np.ndarray, "N 3"]
     ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]: ...
 
-    def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]: ...
+    def projection(self, points: Float[np.ndarray, "N 3"], reach: float) -> Projection: ...
 
 
 class Fit(NamedTuple):
@@ -88,12 +88,11 @@ def cut_solid(
         free=np.isin(used, np.flatnonzero(makes_way)) & ~on_surface,
     )
 
-    def project(places: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
-        return surface.project(places, cell / 2)
-
     targets = np.concatenate([grid.vertices, nodes])[used]
-    drawn = on_surface & lattice
-    targets[drawn] = project(targets[drawn])
+    project = surface.projection(targets[on_surface], cell / 2)
+    targets[on_surface] = np.where(
+        lattice[on_surface, None], project(targets[on_surface]), targets[on_surface]
+    )
     bounds = bounds_of(points[used], space, fit.min_dihedral)
     moved = relax(points[used], targets, project, space, bounds, cell=cell, rounds=fit.rounds)
     if fit.beta is not None:
@@ -156,7 +155,7 @@ def _where_zero(
 def _beside_crossings(
     grid: GradedGrid, tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]
 ) -> tuple[Int[np.ndarray, "N"], Float[np.ndarray, "N"]]:
-    """Ends of the edges that the surface crosses, where it is near enough to draw them, and how near it is."""
+    """Ends of edges that the surface crosses, where it is near enough to draw them, and how near it is."""
     edges, _ = unique_edges(tets)
     edges = edges[(distances[edges] < 0).sum(axis=1) == 1]
     places = _where_zero(grid, edges, distances)

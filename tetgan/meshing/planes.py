@@ -1,6 +1,6 @@
 """What the tets of a field know of its surface, and the signed distance that they agree on."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,7 +17,7 @@ _BLUR = 0.3  # a plane's foot is as well known as this share of how far away its
 
 _CONTRADICTION = 0.01  # weight of planes that face the other way, over that of planes that agree
 
-_CHUNK = 1 << 15  # points at once
+_CHUNK = 1 << 12  # points at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,15 +68,24 @@ class Planes:
 
     def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]:
         """Points on the surface near the given ones: two steps of Newton, none longer than `reach`."""
-        projected = np.empty_like(points)
-        for rows in _chunks(len(points)):
-            here, nearest = points[rows].copy(), self._nearest(points[rows])
-            for _ in range(2):
-                distance, normal = self._mean(here, nearest)
-                squares = np.maximum((normal**2).sum(axis=1), 0.25)  # normals that disagree have a short mean
-                here -= np.clip(distance / squares, -reach, reach)[:, None] * normal
-            projected[rows] = here
-        return projected
+        return self.projection(points, reach)(points)
+
+    def projection(
+        self, points: Float[np.ndarray, "N 3"], reach: float
+    ) -> Callable[[Float[np.ndarray, "N 3"]], Float[np.ndarray, "N 3"]]:
+        """`project` of points that stay near the given ones, whose planes are looked for once."""
+        nearest = self._nearest(points)
+
+        def project(places: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+            projected = places.copy()
+            for rows in _chunks(len(places)):
+                for _ in range(2):
+                    distance, normal = self._mean(projected[rows], nearest[rows])
+                    squares = np.maximum((normal**2).sum(axis=1), 0.25)  # normals that disagree: a short mean
+                    projected[rows] -= np.clip(distance / squares, -reach, reach)[:, None] * normal
+            return projected
+
+        return project
 
     def _nearest(self, points: Float[np.ndarray, "N 3"]) -> Int[np.ndarray, "N K"]:
         """The planes that are asked at each point."""
