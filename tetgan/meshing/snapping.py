@@ -89,7 +89,8 @@ class _Stars:
         third = sign[corners[:, [2, 1, 0]]].ravel()
         one, other = sign[sides].T
         alike = (one == other) & (one != 0)
-        piece = label_components(*sides[alike].T, len(place))
+        start, end = sides[alike].T
+        piece = label_components(start, end, len(place))
         for side in (-1, 1):
             of_piece = np.full(len(place), -1)
             of_piece[piece[sign == side]] = place[sign == side]
