@@ -54,7 +54,7 @@ def lattice_around(
                 chosen[~chosen] = planes.inside(centroids[~chosen])
             return chosen
 
-        grid = graded_grid(open_lattice(cells >> depth, _MARGIN >> min(depth, 2)), depth, choose)
+        grid = graded_grid(open_lattice(cells >> depth, _margin(depth)), depth, choose)
         fine = (grid.level == depth) & ~grid.green
         distances = _distances(grid, fine, planes, reached, cell)
         unexpected = _around_crossings(grid.tets, distances) & ~fine
@@ -67,7 +67,8 @@ class _Reached:
     """How far cells of the lattice are from the nearest that a point lies in: an EDT in place of a search."""
 
     def __init__(self, points: Float[np.ndarray, "P 3"], cells: int) -> None:
-        self._cells, self._margin = cells, _MARGIN * max(1, cells >> subdivisions(cells))
+        depth = subdivisions(cells)
+        self._cells, self._margin = cells, _margin(depth) << depth
         self._last = cells + 2 * self._margin - 1
         empty = np.ones((self._last + 1,) * 3, dtype=bool)
         empty[self._cell(points)] = False
@@ -86,6 +87,11 @@ class _Reached:
 def subdivisions(cells: int) -> int:
     """How often a coarser lattice is subdivided for one of so many cells: as often as two divides them."""
     return min((cells & -cells).bit_length() - 1, _DEEPEST)
+
+
+def _margin(depth: int) -> int:
+    """Coarse cells around the cube."""
+    return _MARGIN >> min(depth, 2)
 
 
 def _distances(

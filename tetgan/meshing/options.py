@@ -32,13 +32,13 @@ class MeshingOptions(Options):
         0.002, ge=0, le=1, description="floating pieces of a solid below this share of its volume are dropped"
     )
     rounds: int = Field(
-        6, ge=1, description="times that a solid's vertices move to where its tets are better"
+        4, ge=1, description="times that a solid's vertices move to where its tets are better"
     )
     resolution: float = Field(
-        1.3,
+        2.0,
         ge=0.5,
         le=4,
-        description="cells along the cube of a solid's lattice, over those of one with the grid's number of tets",
+        description="cells along a side of a solid's lattice, over those of one with as many tets as the grid",
     )
     interior: Literal["fine", "graded"] = Field(
         "fine", description="tets inside a solid: all of one size, or coarser the further from its surface"
