@@ -40,7 +40,9 @@ def cut_tets(
     mixed = (sign < 0).any(axis=1) & (sign > 0).any(axis=1)
     nodes = _Nodes(tets[mixed], signs)
     inside, outside = (
-        np.concatenate([tets[((side * sign) <= 0).all(axis=1)], *_pieces(tets[mixed], side * signs, points, nodes)])
+        np.concatenate(
+            [tets[((side * sign) <= 0).all(axis=1)], *_pieces(tets[mixed], side * signs, points, nodes)]
+        )
         for side in (1, -1)
     )
     return CutTets(nodes.edges, inside, outside)
@@ -70,7 +72,11 @@ def _pieces(
     """What lies on the negative side of tets of both signs."""
     sign = signs[tets]
     order = np.argsort(sign, axis=1, kind="stable")
-    sorted_tets, negative, zero = np.take_along_axis(tets, order, axis=1), (sign < 0).sum(1), (sign == 0).sum(1)
+    sorted_tets, negative, zero = (
+        np.take_along_axis(tets, order, axis=1),
+        (sign < 0).sum(1),
+        (sign == 0).sum(1),
+    )
 
     def corners(negatives: int, zeros: int) -> Int[np.ndarray, "4 N"]:
         return sorted_tets[(negative == negatives) & (zero == zeros)].T

@@ -119,7 +119,9 @@ def drop_small_pieces(mesh: SolidMesh, smallest: float) -> SolidMesh:
     return _solid(mesh.vertices, mesh.tets[~dropped[component]], changes)
 
 
-def _solid(points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"], changes: SolidChanges) -> SolidMesh:
+def _solid(
+    points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"], changes: SolidChanges
+) -> SolidMesh:
     used, corners = np.unique(tets, return_inverse=True)
     tets = corners.reshape(-1, 4)
     return SolidMesh(points[used], tets, boundary_faces(tets), changes)

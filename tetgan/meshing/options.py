@@ -31,7 +31,9 @@ class MeshingOptions(Options):
     min_component: float = Field(
         0.002, ge=0, le=1, description="floating pieces of a solid below this share of its volume are dropped"
     )
-    rounds: int = Field(6, ge=1, description="times that a solid's vertices move to where its tets are better")
+    rounds: int = Field(
+        6, ge=1, description="times that a solid's vertices move to where its tets are better"
+    )
     resolution: float = Field(
         1.3,
         ge=0.5,

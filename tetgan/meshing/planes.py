@@ -58,10 +58,13 @@ class Planes:
         distance, normal = np.empty(len(points)), np.empty((len(points), 3))
         for rows in _chunks(len(points)):
             distance[rows], normal[rows] = self._mean(points[rows], self._nearest(points[rows]))
-        return distance, normal
+        beyond = (
+            np.abs(points - 0.5).max(axis=1) - 0.5
+        )  # fields end at the wall of the cube, and so do solids
+        return np.maximum(distance, beyond), normal
 
     def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]:
-        """Points on the surface near the given ones: two steps of Newton, none longer than `reach`."""
+        """Points of the cube on the surface near the given ones: two steps of Newton, none beyond `reach`."""
         projected = np.empty_like(points)
         for rows in _chunks(len(points)):
             here, nearest = points[rows].copy(), self._nearest(points[rows])
@@ -69,7 +72,7 @@ class Planes:
                 distance, normal = self._mean(here, nearest)
                 squares = np.maximum((normal**2).sum(axis=1), 0.25)  # normals that disagree have a short mean
                 here -= np.clip(distance / squares, -reach, reach)[:, None] * normal
-            projected[rows] = here
+            projected[rows] = here.clip(0, 1)
         return projected
 
     def _nearest(self, points: Float[np.ndarray, "N 3"]) -> Int[np.ndarray, "N K"]:
