@@ -1,5 +1,6 @@
 """The lattice that a solid is cut from: fine where its surface is, and a signed distance at its vertices."""
 
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -43,16 +44,7 @@ def lattice_around(
     near = [planes.feet[np.abs(planes.distances) < 2 * _REACH * cell], changes]
     while True:
         tree = KDTree(np.concatenate(near))
-
-        def choose(level: int, corners: Float[np.ndarray, "N 4 3"]) -> Bool[np.ndarray, "N"]:
-            centroids = corners.mean(axis=1)
-            radius = np.linalg.norm(corners - centroids[:, None], axis=2).max(axis=1)
-            reach = radius + _REACH * cell
-            chosen = tree.query(centroids, distance_upper_bound=reach.max())[0] <= reach
-            if interior == "fine":
-                chosen[~chosen] = planes.inside(centroids[~chosen])
-            return chosen
-
+        choose = partial(_choose, planes=planes, near=tree, reach=_REACH * cell, fine=interior == "fine")
         grid = graded_grid(open_lattice(cells >> depth, _MARGIN >> min(depth, 2)), depth, choose)
         fine = (grid.level == depth) & ~grid.green
         distances = _distances(grid, fine, planes, tree, cell)
@@ -65,6 +57,24 @@ def lattice_around(
 def subdivisions(cells: int) -> int:
     """How often a coarser lattice is subdivided for one of so many cells: as often as two divides them."""
     return min((cells & -cells).bit_length() - 1, _DEEPEST)
+
+
+def _choose(
+    level: int,
+    corners: Float[np.ndarray, "N 4 3"],
+    *,
+    planes: Planes,
+    near: KDTree,
+    reach: float,
+    fine: bool,
+) -> Bool[np.ndarray, "N"]:
+    """Which tets of a level to subdivide: those that come within reach, and if so asked all inside."""
+    centroids = corners.mean(axis=1)
+    radius = np.linalg.norm(corners - centroids[:, None], axis=2).max(axis=1) + reach
+    chosen = near.query(centroids, distance_upper_bound=radius.max(initial=0))[0] <= radius
+    if fine:
+        chosen[~chosen] = planes.inside(centroids[~chosen])
+    return chosen
 
 
 def _distances(

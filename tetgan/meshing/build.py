@@ -5,7 +5,7 @@ from jaxtyping import Bool, Float
 from scipy import sparse
 
 from tetgan.fields.extraction import extract_graded
-from tetgan.fields.field import Field, VertexField, vertex_operator
+from tetgan.fields.field import Field, VertexField
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.lattice import open_lattice

@@ -69,9 +69,7 @@ def cut_solid(
         return SolidMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
     mixed = _of_both_signs(grid.tets, signs)
     makes_way, near = _surroundings(grid.tets, mixed, len(signs))
-    crossed, crossings, lengths = _crossings(grid, grid.tets[mixed], distances)
-    candidates, away = _nearest(crossed, lengths)
-    signs = snap_vertices(grid.tets[near], signs, candidates, away)
+    signs = snap_vertices(grid.tets[near], signs, *_nearer_ends(grid, grid.tets[mixed], distances))
     cut = cut_tets(grid.tets[near], signs, grid.points)
     nodes = _where_zero(grid, cut.edges, distances)
     points = np.concatenate([grid.vertices, grid.vertices[cut.edges].mean(axis=1)])
@@ -152,26 +150,18 @@ def _where_zero(
     return (1 - share) * grid.vertices[edges[:, 0]] + share * grid.vertices[edges[:, 1]]
 
 
-def _crossings(
+def _nearer_ends(
     grid: GradedGrid, tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]
-) -> tuple[Int[np.ndarray, "E"], Float[np.ndarray, "E 3"], Float[np.ndarray, "E"]]:
-    """For each edge that the surface crosses its end nearer to it, the crossing, and how far apart they are."""
+) -> tuple[Int[np.ndarray, "N"], Float[np.ndarray, "N"]]:
+    """Vertices to which the surface comes nearer than to the other end of an edge, and the least distance."""
     edges, _ = unique_edges(tets)
     edges = edges[(distances[edges] < 0).sum(axis=1) == 1]
-    places = _where_zero(grid, edges, distances)
-    apart = np.linalg.norm(grid.vertices[edges] - places[:, None], axis=2)
-    nearer = apart.argmin(axis=1)
-    rows = np.arange(len(edges))
-    return edges[rows, nearer], places, apart[rows, nearer]
-
-
-def _nearest(
-    vertices: Int[np.ndarray, "N"], distances: Float[np.ndarray, "N"]
-) -> tuple[Int[np.ndarray, "M"], Float[np.ndarray, "M"]]:
-    """Each vertex once, with the least of its distances."""
-    order = np.lexsort([distances, vertices])
+    away = np.linalg.norm(grid.vertices[edges] - _where_zero(grid, edges, distances)[:, None], axis=2)
+    nearer = away.argmin(axis=1)
+    vertices = np.take_along_axis(edges, nearer[:, None], axis=1)[:, 0]
+    order = np.lexsort([away.min(axis=1), vertices])
     found, first = np.unique(vertices[order], return_index=True)
-    return found, distances[order][first]
+    return found, away.min(axis=1)[order][first]
 
 
 def _positive(points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "T 4"]:
@@ -182,7 +172,7 @@ def _positive(points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) ->
 def _smooth(
     points: Float[np.ndarray, "M 3"], space: Space, surface: Surface, bounds: Bounds, beta: float
 ) -> Float[np.ndarray, "M 3"]:
-    """One step of Eq. 4, as far as every tet allows; the surface's normals are the displacements' directions."""
+    """One step of Eq. 4, as far as every tet allows; normals stand for the displacements."""
     normals = np.zeros_like(points)
     normals[space.surface] = surface.distance_and_normal(points[space.surface])[1]
     faces = boundary_faces(space.corners[:, space.inside].T)

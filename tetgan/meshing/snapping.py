@@ -76,7 +76,7 @@ class _Stars:
         third = sign[corners[:, [2, 1, 0]]].ravel()
         one, other = sign[sides].T
         alike = (one == other) & (one != 0)
-        piece = label_components(*sides[alike].T, len(keys))
+        piece = label_components(sides[alike, 0], sides[alike, 1], len(keys))
         for side in (-1, 1):
             pieces = np.unique(np.stack([place, piece])[:, sign == side], axis=1)
             wrong |= np.bincount(pieces[0], minlength=len(vertices)) != 1
