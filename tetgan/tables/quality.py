@@ -95,8 +95,8 @@ _NOTES = [
     "meshes. Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their "
     "tets fall short of. Components are means. Empty meshes are left out.",
     "Held back: vertices of the boundary, counted as half of its faces, that the bound on angles keeps more "
-    "than a tenth of a cell from the surface. Volume to shape: median over meshes of the volume over that of the "
-    "repaired shape that the field is of; to paper: over that of the same field's mesh in mode `paper`.",
+    "than a tenth of a cell from the surface. Volume to shape: median over meshes of the volume over that of "
+    "the repaired shape that the field is of; to paper: over that of the same field's mesh in mode `paper`.",
     "The paper states manifold edges of its ground-truth chairs and of generated ones (in parentheses), and "
     "names neither grid nor smoothing.",
     "[…]: bootstrap intervals of 95 % over meshes.",
