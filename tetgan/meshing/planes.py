@@ -1,4 +1,4 @@
-"""What the tets of a field know of its surface, and the signed distance that they agree on."""
+"""Tangent planes that the tets of a field know of its surface, and the signed distance they agree on."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
