@@ -6,6 +6,7 @@ python benchmarks/solids.py --index INDEX --meshes 1-of-16.zip     and repaired 
 """
 
 from collections.abc import Iterable, Iterator
+from itertools import islice
 from pathlib import Path
 from time import process_time
 from typing import Annotated, Any, NamedTuple
@@ -32,6 +33,8 @@ from tetgan.meshing.build import build_solid
 from tetgan.meshing.options import MeshingOptions
 from tetgan.models.files import load_generator
 from tetgan.models.sampling import generate_fields, reconstruct_fields
+from tetgan.rendering.raycast import render_mesh
+from tetgan.rendering.sheet import contact_sheet, save_image
 from tetgan.shapes.archive import read_meshes
 from tetgan.solids.certificate import Certificate, certify
 from tetgan.solids.solid import SolidMesh
@@ -57,8 +60,9 @@ def main(  # noqa: PLR0917 - options, not positions
     meshes: Annotated[list[Path] | None, typer.Option(help="zips of repaired meshes")] = None,
     only: Annotated[str, typer.Option(help="classes, with commas")] = "",
     out: Annotated[Path | None, typer.Option(help="table (.csv) of all fields")] = None,
+    picture: Annotated[Path | None, typer.Option(help="picture (.png) of eight fields of each class")] = None,
 ) -> None:
-    """Print a summary of each class."""
+    """Print a summary of each class; or draw eight fields of each: the shape, mode paper and mode solid."""
     grid, classes = build_hierarchy(cells, depth).finest, {}
     if index is not None:
         grid, classes = _of_store(index, model, count)
@@ -68,6 +72,9 @@ def main(  # noqa: PLR0917 - options, not positions
     tables = []
     for name, cases in classes.items():
         if only and name not in only.split(","):
+            continue
+        if picture is not None:
+            draw(picture.with_stem(f"{picture.stem}-{name}"), list(islice(cases, 8)), grid)
             continue
         tables.append(measure(name, cases, grid))
         typer.echo(summary(tables[-1]).to_string())
@@ -117,6 +124,23 @@ def measure(name: str, cases: Iterable[Case], grid: TetGrid) -> pd.DataFrame:
                 {"class": name, "smoothing": smoothing, "seconds": seconds, **_row(mesh, faithful, case)}
             )
     return pd.DataFrame(rows)
+
+
+def draw(path: Path, cases: list[Case], grid: TetGrid) -> None:
+    """A column a field: the shape, if it is known, the mesh of mode `paper`, and that of mode `solid`."""
+    operator = vertex_operator(grid)
+    rows = {"shape": [case.shape for case in cases if case.shape is not None]}
+    for options in (PAPER, SOLID):
+        rows[options.mode] = [
+            build_solid(case.field, grid, operator, case.mu, options, smoothing=False) for case in cases
+        ]
+    shown = {name: meshes for name, meshes in rows.items() if meshes}
+    images = [
+        render_mesh(mesh.vertices, mesh.faces, size=(200, 200))
+        for meshes in shown.values()
+        for mesh in meshes
+    ]
+    save_image(path, contact_sheet(images, len(cases), row_titles=list(shown)))
 
 
 def summary(rows: pd.DataFrame) -> pd.Series:

@@ -1,11 +1,10 @@
 """The lattice that a solid is cut from: fine where its surface is, and a signed distance at its vertices."""
 
-from functools import partial
 from typing import Literal
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.spatial import KDTree
+from scipy.ndimage import distance_transform_edt
 
 from tetgan.grids.graded import GradedGrid, graded_grid
 from tetgan.grids.lattice import open_lattice
@@ -43,15 +42,45 @@ def lattice_around(
     cell = 1 / cells
     near = [planes.feet[np.abs(planes.distances) < 2 * _REACH * cell], changes]
     while True:
-        tree = KDTree(np.concatenate(near))
-        choose = partial(_choose, planes=planes, near=tree, reach=_REACH * cell, fine=interior == "fine")
+        reached = _Reached(np.concatenate(near), cells)
+
+        def choose(
+            level: int, corners: Float[np.ndarray, "N 4 3"], reached: _Reached = reached
+        ) -> Bool[np.ndarray, "N"]:
+            centroids = corners.mean(axis=1)
+            radius = np.sqrt(((corners - centroids[:, None]) ** 2).sum(axis=2).max(axis=1))
+            chosen = reached.within(centroids, radius + _REACH * cell)
+            if interior == "fine":
+                chosen[~chosen] = planes.inside(centroids[~chosen])
+            return chosen
+
         grid = graded_grid(open_lattice(cells >> depth, _MARGIN >> min(depth, 2)), depth, choose)
         fine = (grid.level == depth) & ~grid.green
-        distances = _distances(grid, fine, planes, tree, cell)
+        distances = _distances(grid, fine, planes, reached, cell)
         unexpected = _around_crossings(grid.tets, distances) & ~fine
         if not unexpected.any():
             return grid, distances
         near.append(grid.centroids[unexpected])
+
+
+class _Reached:
+    """How far cells of the lattice are from the nearest that a point lies in: an EDT in place of a search."""
+
+    def __init__(self, points: Float[np.ndarray, "P 3"], cells: int) -> None:
+        self._cells, self._margin = cells, _MARGIN * max(1, cells >> subdivisions(cells))
+        self._last = cells + 2 * self._margin - 1
+        empty = np.ones((self._last + 1,) * 3, dtype=bool)
+        empty[self._cell(points)] = False
+        self._away = distance_transform_edt(empty) / cells if len(points) else np.full(empty.shape, np.inf)
+
+    def within(
+        self, places: Float[np.ndarray, "N 3"], reach: float | Float[np.ndarray, "N"]
+    ) -> Bool[np.ndarray, "N"]:
+        return self._away[self._cell(places)] <= reach
+
+    def _cell(self, places: Float[np.ndarray, "N 3"]) -> tuple[Int[np.ndarray, "N"], ...]:
+        cell = np.floor(places * self._cells).astype(np.int64) + self._margin
+        return tuple(np.clip(cell, 0, self._last).T)
 
 
 def subdivisions(cells: int) -> int:
@@ -59,32 +88,13 @@ def subdivisions(cells: int) -> int:
     return min((cells & -cells).bit_length() - 1, _DEEPEST)
 
 
-def _choose(
-    level: int,
-    corners: Float[np.ndarray, "N 4 3"],
-    *,
-    planes: Planes,
-    near: KDTree,
-    reach: float,
-    fine: bool,
-) -> Bool[np.ndarray, "N"]:
-    """Which tets of a level to subdivide: those that come within reach, and if so asked all inside."""
-    centroids = corners.mean(axis=1)
-    radius = np.linalg.norm(corners - centroids[:, None], axis=2).max(axis=1) + reach
-    chosen = near.query(centroids, distance_upper_bound=radius.max(initial=0))[0] <= radius
-    if fine:
-        chosen[~chosen] = planes.inside(centroids[~chosen])
-    return chosen
-
-
 def _distances(
-    grid: GradedGrid, fine: Bool[np.ndarray, "T"], planes: Planes, near: KDTree, cell: float
+    grid: GradedGrid, fine: Bool[np.ndarray, "T"], planes: Planes, reached: _Reached, cell: float
 ) -> Float[np.ndarray, "V"]:
     of_fine, beyond = np.zeros((2, len(grid.vertices)), dtype=bool)
     of_fine[grid.tets[fine]] = True
     beyond[((grid.vertices < -_BEYOND * cell) | (grid.vertices > 1 + _BEYOND * cell)).any(axis=1)] = True
-    close = np.isfinite(near.query(grid.vertices, distance_upper_bound=_REACH * cell)[0])
-    known = of_fine & close & ~beyond
+    known = of_fine & reached.within(grid.vertices, _REACH * cell) & ~beyond
     distances = np.full(len(known), cell)
     distances[known] = planes.distance(grid.vertices[known])
     unknown = ~known & ~beyond

@@ -10,12 +10,14 @@ from tetgan.geometry.components import connect_tets
 from tetgan.geometry.tets import tet_volumes
 from tetgan.grids.graded import GradedGrid
 from tetgan.meshing.cutting import cut_tets
-from tetgan.meshing.relaxation import Bounds, Space, bounds_of, relax, step_within
+from tetgan.meshing.relaxation import Bounds, Projection, Space, bounds_of, relax, step_within
 from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.meshing.snapping import snap_vertices
 from tetgan.solids.solid import SolidChanges, SolidMesh
 
 _RINGS = 2  # of vertices around the surface that make way for it
+
+_DRAWN = 0.75  # of an edge: a vertex as near to where the surface crosses it may be drawn there
 
 _HELD = 0.1  # of a cell: vertices of the surface further from it count as held back
 
@@ -30,7 +32,7 @@ class Surface(Protocol):
         self, points: Float[np.ndarray, "N 3"]
     ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]: ...
 
-    def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]: ...
+    def projection(self, points: Float[np.ndarray, "N 3"], reach: float) -> Projection: ...
 
 
 class Fit(NamedTuple):
@@ -69,7 +71,8 @@ def cut_solid(
         return SolidMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
     mixed = _of_both_signs(grid.tets, signs)
     makes_way, near = _surroundings(grid.tets, mixed, len(signs))
-    signs = snap_vertices(grid.tets[near], signs, *_nearer_ends(grid, grid.tets[mixed], distances))
+    candidates, away = _nearest(*_beside_crossings(grid, grid.tets[mixed], distances))
+    signs = snap_vertices(grid.tets[near], signs, candidates, away)
     cut = cut_tets(grid.tets[near], signs, grid.points)
     nodes = _where_zero(grid, cut.edges, distances)
     points = np.concatenate([grid.vertices, grid.vertices[cut.edges].mean(axis=1)])
@@ -85,12 +88,11 @@ def cut_solid(
         free=np.isin(used, np.flatnonzero(makes_way)) & ~on_surface,
     )
 
-    def project(places: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
-        return surface.project(places, cell / 2)
-
     targets = np.concatenate([grid.vertices, nodes])[used]
-    drawn = on_surface & lattice
-    targets[drawn] = project(targets[drawn])
+    project = surface.projection(targets[on_surface], cell / 2)
+    targets[on_surface] = np.where(
+        lattice[on_surface, None], project(targets[on_surface]), targets[on_surface]
+    )
     bounds = bounds_of(points[used], space, fit.min_dihedral)
     moved = relax(points[used], targets, project, space, bounds, cell=cell, rounds=fit.rounds)
     if fit.beta is not None:
@@ -150,18 +152,25 @@ def _where_zero(
     return (1 - share) * grid.vertices[edges[:, 0]] + share * grid.vertices[edges[:, 1]]
 
 
-def _nearer_ends(
+def _beside_crossings(
     grid: GradedGrid, tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]
 ) -> tuple[Int[np.ndarray, "N"], Float[np.ndarray, "N"]]:
-    """Vertices to which the surface comes nearer than to the other end of an edge, and the least distance."""
+    """Ends of edges that the surface crosses, where it is near enough to draw them, and how near it is."""
     edges, _ = unique_edges(tets)
     edges = edges[(distances[edges] < 0).sum(axis=1) == 1]
-    away = np.linalg.norm(grid.vertices[edges] - _where_zero(grid, edges, distances)[:, None], axis=2)
-    nearer = away.argmin(axis=1)
-    vertices = np.take_along_axis(edges, nearer[:, None], axis=1)[:, 0]
-    order = np.lexsort([away.min(axis=1), vertices])
+    places = _where_zero(grid, edges, distances)
+    apart = np.linalg.norm(grid.vertices[edges] - places[:, None], axis=2)
+    near = apart <= _DRAWN * apart.sum(axis=1, keepdims=True)
+    return edges[near], apart[near]
+
+
+def _nearest(
+    vertices: Int[np.ndarray, "N"], distances: Float[np.ndarray, "N"]
+) -> tuple[Int[np.ndarray, "M"], Float[np.ndarray, "M"]]:
+    """Each vertex once, with the least of its distances."""
+    order = np.lexsort([distances, vertices])
     found, first = np.unique(vertices[order], return_index=True)
-    return found, away.min(axis=1)[order][first]
+    return found, distances[order][first]
 
 
 def _positive(points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) -> Int[np.ndarray, "T 4"]:
@@ -172,7 +181,7 @@ def _positive(points: Float[np.ndarray, "V 3"], tets: Int[np.ndarray, "T 4"]) ->
 def _smooth(
     points: Float[np.ndarray, "M 3"], space: Space, surface: Surface, bounds: Bounds, beta: float
 ) -> Float[np.ndarray, "M 3"]:
-    """One step of Eq. 4, as far as every tet allows; normals stand for the displacements."""
+    """One step of Eq. 4, as far as every tet allows; displacements have the directions of normals."""
     normals = np.zeros_like(points)
     normals[space.surface] = surface.distance_and_normal(points[space.surface])[1]
     faces = boundary_faces(space.corners[:, space.inside].T)

@@ -1,6 +1,6 @@
 """Tangent planes that the tets of a field know of its surface, and the signed distance they agree on."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -11,9 +11,13 @@ from scipy.spatial import KDTree
 from tetgan.fields.field import Field
 from tetgan.geometry.tets import TetMesh
 
-_NEIGHBOURS = 16  # planes asked at a point
+_NEIGHBOURS = 12  # planes asked at a point
 
-_CHUNK = 1 << 15  # points at once
+_BLUR = 0.3  # a plane's foot is as well known as this share of how far away its centroid is
+
+_CONTRADICTION = 0.01  # weight of planes that face the other way, over that of planes that agree
+
+_CHUNK = 1 << 12  # points at once
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +26,9 @@ class Planes:
 
     The distance to the planes of the nearest centroids, averaged, keeps parts thinner than a tet, which the
     distance to the closest point of the surface, interpolated linearly, loses: a plane goes on through the
-    other side of a thin part, where its value is still that of an inside.
+    other side of a thin part, where its value is still that of an inside. The planes that count most touch
+    the surface near the point and face the way that most do: the planes of the other side of a thin part, and
+    those around a convex one, all of which lie outside of it, would make both thicker.
 
     Attributes:
         centroids: (T, 3) where each plane is known.
@@ -65,15 +71,24 @@ class Planes:
 
     def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]:
         """Points of the cube on the surface near the given ones: two steps of Newton, none beyond `reach`."""
-        projected = np.empty_like(points)
-        for rows in _chunks(len(points)):
-            here, nearest = points[rows].copy(), self._nearest(points[rows])
-            for _ in range(2):
-                distance, normal = self._mean(here, nearest)
-                squares = np.maximum((normal**2).sum(axis=1), 0.25)  # normals that disagree have a short mean
-                here -= np.clip(distance / squares, -reach, reach)[:, None] * normal
-            projected[rows] = here.clip(0, 1)
-        return projected
+        return self.projection(points, reach)(points)
+
+    def projection(
+        self, points: Float[np.ndarray, "N 3"], reach: float
+    ) -> Callable[[Float[np.ndarray, "N 3"]], Float[np.ndarray, "N 3"]]:
+        """`project` of points that stay near the given ones, whose planes are looked for once."""
+        nearest = self._nearest(points)
+
+        def project(places: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+            projected = places.copy()
+            for rows in _chunks(len(places)):
+                for _ in range(2):
+                    distance, normal = self._mean(projected[rows], nearest[rows])
+                    squares = np.maximum((normal**2).sum(axis=1), 0.25)  # normals that disagree: a short mean
+                    projected[rows] -= np.clip(distance / squares, -reach, reach)[:, None] * normal
+            return projected.clip(0, 1)
+
+        return project
 
     def _nearest(self, points: Float[np.ndarray, "N 3"]) -> Int[np.ndarray, "N K"]:
         """The planes that are asked at each point."""
@@ -85,9 +100,14 @@ class Planes:
     ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
         normals, heights = self.normals[nearest], self.distances[nearest]
         offsets = points[:, None] - self.centroids[nearest]
-        away = np.sqrt(np.einsum("nkc,nkc->nk", offsets, offsets))
         values = heights + np.einsum("nkc,nkc->nk", offsets, normals)
-        weights = 1 / np.maximum(away**3 * (np.abs(heights) + away / 4), np.finfo(float).tiny ** 0.5)
+        squares = np.einsum("nkc,nkc->nk", offsets, offsets)
+        # The square of how far the foot is, and of how far it may be.
+        feet = squares + 2 * heights * values - heights**2 + _BLUR**2 * squares
+        weights = 1 / np.maximum(squares * feet, np.finfo(float).tiny ** 0.5)
+        mean = np.einsum("nk,nkc->nc", weights, normals)
+        mean /= np.maximum(np.sqrt(np.einsum("nc,nc->n", mean, mean)), np.finfo(float).tiny)[:, None]
+        weights *= np.maximum(np.einsum("nkc,nc->nk", normals, mean), 0) + _CONTRADICTION
         weights /= weights.sum(axis=1, keepdims=True)
         return (weights * values).sum(axis=1), np.einsum("nk,nkc->nc", weights, normals)
 

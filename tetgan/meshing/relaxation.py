@@ -65,7 +65,7 @@ def relax(
 ) -> Float[np.ndarray, "M 3"]:
     """Vertices of the surface to their targets, then all to better tets, those of the surface along it.
 
-    A round steps down the gradient of the sum, over tets of the solid, of q² with
+    A round steps down the gradient of the sum, over tets of the solid, of
     q = (sum of squared edges)^1.5 / volume, which is least for regular tets and infinite for flat ones, and
     puts the vertices of the surface back onto it. A step that leaves any tet beyond its bounds is halved for
     all vertices of that tet, until none is left: at worst nobody moves. So all bounds hold in the end that
@@ -117,7 +117,7 @@ def _within(
 
 
 def _downhill(here: Float[np.ndarray, "3 M"], space: Space, cell: float) -> Float[np.ndarray, "3 M"]:
-    """Steps down the gradient of the sum of q², about as long as Newton's would be."""
+    """Steps down the gradient of the sum of q, about as long as Newton's would be."""
     gradient, curvature = shape_gradient(here, space.corners[:, space.inside])
     step = -gradient / np.maximum(curvature, np.finfo(float).tiny)
     length = np.sqrt((step**2).sum(axis=0))
@@ -127,7 +127,7 @@ def _downhill(here: Float[np.ndarray, "3 M"], space: Space, cell: float) -> Floa
 def shape_gradient(
     here: Float[np.ndarray, "3 M"], corners: Int[np.ndarray, "4 N"]
 ) -> tuple[Float[np.ndarray, "3 M"], Float[np.ndarray, "M"]]:
-    """Gradient by each vertex of the sum of q² over tets, and a rough size of its second derivative.
+    """Gradient by each vertex of the sum of q over tets, and a rough size of its second derivative.
 
     With S the sum of squared edges and V six times the volume, q = S^1.5 / V, over what a regular tet has.
     """
@@ -140,11 +140,11 @@ def shape_gradient(
     for i, j in EDGES:
         squares += ((points[i] - points[j]) ** 2).sum(axis=0)
     by_squares = 2 * (4 * points - points.sum(axis=0))
-    energy = 2 * (squares**1.5 / (_REGULAR * volume)) ** 2
+    energy = squares**1.5 / (_REGULAR * volume)
     slopes = energy * (1.5 * by_squares / squares - by_volume / volume)
     flat, count = corners.ravel(), here.shape[1]
     gradient = np.stack([np.bincount(flat, slopes[:, axis].ravel(), minlength=count) for axis in range(3)])
-    bend = np.tile(energy * 72 / squares, 4)
+    bend = np.tile(energy * 36 / squares, 4)
     return gradient, np.bincount(flat, bend, minlength=count)
 
 

@@ -1,5 +1,7 @@
 """Vertices of a lattice drawn onto a level set without a change of its topology."""
 
+from typing import NamedTuple
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
@@ -29,7 +31,11 @@ def snap_vertices(
         signs: -1 or 1 of each vertex.
         distances: of the candidates from the surface.
     """
-    signs, stars = signs.copy(), _Stars(tets, len(signs))
+    signs = signs.copy()
+    is_candidate = np.zeros(len(signs), dtype=bool)
+    is_candidate[candidates] = True
+    tets = tets[is_candidate[tets].any(axis=1)]
+    stars = _Stars(tets, is_candidate)
     edges, _ = unique_edges(tets)
     neighbours = _adjacency(edges, len(signs))
     rank = np.full(len(signs), np.inf)
@@ -57,43 +63,72 @@ def snap_vertices(
 
 
 class _Stars:
-    """The tets around each vertex."""
+    """The links of some vertices: what lies opposite each in the tets around it."""
 
-    def __init__(self, tets: Int[np.ndarray, "T 4"], vertices: int) -> None:
-        order = np.argsort(tets.ravel(), kind="stable")
-        self._opposite = tets[order // 4, FACES[order % 4].T].T  # the face of each tet opposite its vertex
-        self._begin = np.searchsorted(tets.ravel()[order], np.arange(vertices + 1))
+    def __init__(self, tets: Int[np.ndarray, "T 4"], of: Bool[np.ndarray, "V"]) -> None:
+        vertices, (rows, slots) = len(of), np.nonzero(of[tets])
+        order = np.argsort(tets[rows, slots], kind="stable")
+        rows, slots = rows[order], slots[order]
+        self._faces = _Ranges.of(tets[rows, slots], vertices)
+        keys = tets[rows, slots][:, None] * vertices + tets[rows[:, None], FACES[slots]]
+        keys, corners = np.unique(keys, return_inverse=True)
+        self._corners = corners.reshape(-1, 3)  # of each face, among all vertices of all links
+        self._around = keys % vertices
+        self._vertices = _Ranges.of(keys // vertices, vertices)
 
     def on_disk(self, vertices: Int[np.ndarray, "N"], signs: Int[np.ndarray, "V"]) -> Bool[np.ndarray, "N"]:
         """Whether the level set through each of some vertices is a disk there; see `snap_vertices`."""
-        rows, owner = _ranges(self._begin[vertices], self._begin[vertices + 1])
-        keys, corners = np.unique(owner[:, None] * len(signs) + self._opposite[rows], return_inverse=True)
-        corners = corners.reshape(-1, 3)
-        place, sign = keys // len(signs), signs[keys % len(signs)]
+        faces, owner = self._faces.rows(vertices)
+        around, place = self._vertices.rows(vertices)
+        first = np.searchsorted(place, np.arange(len(vertices)))
+        corners = self._corners[faces] - (self._vertices.begin[vertices] - first)[owner, None]
+        sign = signs[self._around[around]]
         wrong = np.zeros(len(vertices), dtype=bool)
         wrong[owner[(sign[corners] == 0).all(axis=1)]] = True
         sides = corners[:, [[0, 1], [0, 2], [1, 2]]].reshape(-1, 2)
         third = sign[corners[:, [2, 1, 0]]].ravel()
         one, other = sign[sides].T
         alike = (one == other) & (one != 0)
-        piece = label_components(sides[alike, 0], sides[alike, 1], len(keys))
+        start, end = sides[alike].T
+        piece = label_components(start, end, len(place))
         for side in (-1, 1):
-            pieces = np.unique(np.stack([place, piece])[:, sign == side], axis=1)
-            wrong |= np.bincount(pieces[0], minlength=len(vertices)) != 1
+            of_piece = np.full(len(place), -1)
+            of_piece[piece[sign == side]] = place[sign == side]
+            wrong |= np.bincount(of_piece[of_piece >= 0], minlength=len(vertices)) != 1
         # A zero lies between the two sides, and so does an edge of two zeros.
-        beside = np.zeros((2, len(keys)), dtype=bool)
+        beside = np.zeros((2, len(place)), dtype=bool)
         for ends, facing in ((sides[:, 0], other), (sides[:, 1], one)):
             beside[0, ends[facing < 0]] = True
             beside[1, ends[facing > 0]] = True
         wrong[place[(sign == 0) & ~beside.all(axis=0)]] = True
         flat = (one == 0) & (other == 0)
         ends = np.sort(sides[flat], axis=1)
-        edges, number = np.unique(ends[:, 0] * len(keys) + ends[:, 1], return_inverse=True)
+        edges, number = np.unique(ends[:, 0] * len(place) + ends[:, 1], return_inverse=True)
         sums, sizes = np.zeros((2, len(edges)), dtype=np.int64)
         np.add.at(sums, number, third[flat])
         np.add.at(sizes, number, np.abs(third[flat]))
-        wrong[place[edges[(sums != 0) | (sizes != 2)] // len(keys)]] = True
+        wrong[place[edges[(sums != 0) | (sizes != 2)] // len(place)]] = True
         return ~wrong
+
+
+class _Ranges(NamedTuple):
+    """Ranges of rows, one for each of some things."""
+
+    begin: Int[np.ndarray, "N"]
+    end: Int[np.ndarray, "N"]
+
+    @classmethod
+    def of(cls, owners: Int[np.ndarray, "R"], count: int) -> "_Ranges":
+        """The rows of each owner, which are sorted by it."""
+        bounds = np.searchsorted(owners, np.arange(count + 1))
+        return cls(bounds[:-1], bounds[1:])
+
+    def rows(self, chosen: Int[np.ndarray, "C"]) -> tuple[Int[np.ndarray, "M"], Int[np.ndarray, "M"]]:
+        """The rows of some of the things, one after the other, and which of the chosen each belongs to."""
+        counts = self.end[chosen] - self.begin[chosen]
+        owner = np.repeat(np.arange(len(chosen)), counts)
+        before = np.cumsum(counts) - counts
+        return np.arange(counts.sum()) + (self.begin[chosen] - before)[owner], owner
 
 
 def _adjacency(edges: Int[np.ndarray, "E 2"], vertices: int) -> sparse.csr_array:
@@ -105,23 +140,13 @@ def _rows(
     matrix: sparse.csr_array, rows: Int[np.ndarray, "N"]
 ) -> tuple[Int[np.ndarray, "M"], Int[np.ndarray, "M"]]:
     """The columns of some rows, and which of the rows each belongs to."""
-    places, owner = _ranges(matrix.indptr[rows], matrix.indptr[rows + 1])
+    places, owner = _Ranges(matrix.indptr[:-1], matrix.indptr[1:]).rows(rows)
     return matrix.indices[places], owner
-
-
-def _ranges(
-    begin: Int[np.ndarray, "N"], end: Int[np.ndarray, "N"]
-) -> tuple[Int[np.ndarray, "M"], Int[np.ndarray, "M"]]:
-    """The numbers of several ranges in a row, and which range each is of."""
-    counts = end - begin
-    owner = np.repeat(np.arange(len(begin)), counts)
-    before = np.cumsum(counts) - counts
-    return np.arange(counts.sum()) - before[owner] + begin[owner], owner
 
 
 def _beside_the_other_sign(
     edges: Int[np.ndarray, "E 2"], signs: Int[np.ndarray, "V"]
 ) -> Bool[np.ndarray, "V"]:
-    beside = np.zeros(len(signs), dtype=bool)
-    beside[edges[signs[edges].prod(axis=1) < 0]] = True
+    beside, (one, other) = np.zeros(len(signs), dtype=bool), signs[edges.T]
+    beside[edges[one * other < 0]] = True
     return beside
