@@ -64,9 +64,9 @@ def assert_conforming(grid, base, depth):
     assert grid.neighbors.max() < len(grid.tets)  # raises where a face has three tets
     assert hull_area(grid) == pytest.approx(hull_area(base.grid), rel=1e-12)
     np.testing.assert_array_equal(grid.vertices, grid.points / (base.unit * 2**depth))
-    doubled, sums = 2 * grid.points, grid.points[grid.edges].sum(axis=1)
-    assert not {*map(tuple, doubled.tolist())} & {*map(tuple, sums.tolist())}
-    assert len(np.unique(grid.points, axis=0)) == len(grid.points)
+    keys = grid.points @ (1 << np.array([40, 20, 0]))  # coordinates are much smaller than 2^20
+    assert len(np.unique(keys)) == len(keys)
+    assert not np.isin(keys[grid.edges].sum(axis=1), 2 * keys).any()
 
 
 def assert_graded(grid, depth):
@@ -108,7 +108,7 @@ def test_none_chosen_leaves_the_lattice(lattice):
     lattice=st.sampled_from([cube_lattice, open_lattice]),
     size=st.sampled_from([(1, 1), (1, 2), (1, 3), (2, 1), (2, 2)]),
 )
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_any_choice_can_be_closed(seed, share, lattice, size):
     cells, depth = size
     chosen = set()

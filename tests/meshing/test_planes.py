@@ -24,11 +24,13 @@ def ball_field(radius):
 def test_a_plane_is_met_exactly():
     normal = np.array([2.0, -1.0, 2.0]) / 3
     planes = planes_of_field(plane_field(normal, 0.4), GRID, plane_field(normal, 0.4).occupancy)
-    points = np.random.default_rng(0).random((50, 3))
+    points = np.random.default_rng(0).random((200, 3))
+    points = points[points @ normal - 0.4 > np.abs(points - 0.5).max(axis=1) - 0.5]  # else the wall is nearer
     distance, direction = planes.distance_and_normal(points)
     np.testing.assert_allclose(distance, points @ normal - 0.4, atol=1e-6)
-    np.testing.assert_allclose(direction, np.tile(normal, (50, 1)), atol=1e-5)
-    np.testing.assert_allclose(planes.project(points, 1.0) @ normal, 0.4, atol=1e-6)
+    np.testing.assert_allclose(direction, np.tile(normal, (len(points), 1)), atol=1e-5)
+    inner = points[np.abs(points - 0.5).max(axis=1) < 0.2]
+    np.testing.assert_allclose(planes.project(inner, 1.0) @ normal, 0.4, atol=1e-6)
     np.testing.assert_allclose(planes.feet @ normal, 0.4, atol=1e-6)
     np.testing.assert_array_equal(planes.distance(points), distance)
 
@@ -78,6 +80,15 @@ def test_without_displacements_the_surface_is_between_the_sides():
     assert low < -0.01
     assert high == pytest.approx(-low)
     assert abs(middle) < abs(low)
+
+
+def test_solids_end_at_the_wall_of_the_cube():
+    field = plane_field(np.array([0.0, 1.0, 0.0]), 2.0)  # all of the cube lies inside
+    planes = planes_of_field(field, GRID, field.occupancy)
+    np.testing.assert_allclose(
+        planes.distance(np.array([[0.5, 1.2, 0.5], [0.5, 0.9, 0.5]])), [0.2, -0.1], atol=1e-6
+    )
+    assert planes.project(np.array([[0.5, 1.2, 0.5]]), 1.0).max() <= 1
 
 
 def test_the_planes_of_one_side_do_not_make_the_other_thicker():

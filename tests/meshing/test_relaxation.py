@@ -99,7 +99,7 @@ def test_the_surface_ends_where_it_is_projected(space):
     def project(places):
         return np.column_stack([np.full(len(places), 0.53), places[:, 1:]])
 
-    targets = POINTS + [0.03, 0.0, 0.0]
+    targets = POINTS + np.array([0.03, 0.0, 0.0])
     moved = relax(POINTS, targets, project, plane, bounds_of(POINTS, plane, 15.0), cell=0.5, rounds=3)
     np.testing.assert_allclose(moved[plane.surface, 0], 0.53)
     fixed = ~plane.surface & ~plane.free

@@ -88,18 +88,20 @@ def test_three_hundred_fields_of_noise_are_valid(grid, operator, seed):
 def test_shapes_are_valid_and_keep_their_volume(fine_grid, shape, smoothing):
     field, mu = truth(shape, fine_grid)
     operator = vertex_operator(fine_grid)
-    mesh, faithful = (
-        build_solid(field, fine_grid, operator, mu, options, smoothing=smoothing)
-        for options in (SOLID, PAPER)
-    )
+    mesh = build_solid(field, fine_grid, operator, mu, SOLID, smoothing=smoothing)
+    faithful = build_solid(field, fine_grid, operator, mu, PAPER, smoothing=False)
     found = assert_valid(mesh)
-    if smoothing:  # one step of Eq. 4 shrinks, most where a part is as thin as edges are long
-        assert 0.75 * truth_volume(shape) < volume(mesh) < 1.03 * truth_volume(shape)
-    else:
-        assert volume(mesh) == pytest.approx(truth_volume(shape), rel=0.06)
+    if shape in (
+        "wire",
+        "plate",
+    ):  # thinner than half a tet: what is left of them is more than the faithful's
+        assert 0.3 < volume(mesh) / truth_volume(shape) < 1.6
+        assert volume(faithful) / truth_volume(shape) < 0.3
+        assert distance(mesh, shape) < distance(faithful, shape) * 1.1
+        return
+    assert volume(mesh) == pytest.approx(truth_volume(shape), rel=0.06 if smoothing else 0.02)
     assert found.components == 1
-    if not smoothing:
-        assert distance(mesh, shape) <= 0.7 * distance(faithful, shape)
+    assert distance(mesh, shape) <= 0.5 * distance(faithful, shape)
 
 
 def truth_volume(shape):
@@ -170,7 +172,7 @@ def test_a_shape_at_the_wall_of_the_cube_is_whole(fine_grid):
     mesh = build_solid(field, fine_grid, vertex_operator(fine_grid), 1.0, SOLID, smoothing=False)
     assert_valid(mesh)
     assert volume(mesh) == pytest.approx(0.6, rel=0.03)
-    np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), [1.0, 0.6, 1.0], atol=0.03)
+    np.testing.assert_allclose(np.ptp(mesh.vertices, axis=0), [1.0, 0.6, 1.0], atol=0.02)
 
 
 def test_a_finer_lattice_is_nearer(grid, operator):

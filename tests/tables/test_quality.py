@@ -42,8 +42,8 @@ def sampled(tmp_path):
 
 @pytest.fixture
 def quality(tmp_path, paper, read):
-    def make(*folders):
-        tabulate_quality(folders, paper, tmp_path / "quality.csv")
+    def make(*folders, catalogues=()):
+        tabulate_quality(folders, catalogues, paper, tmp_path / "quality.csv")
         return read(tmp_path / "quality.csv")
 
     return make
@@ -53,9 +53,9 @@ def test_modes_stand_side_by_side(sampled, quality):
     bad = {"tets": 3, "inverted_tets": 1, "valid": False, "self_intersections": 4, "min_dihedral": 0.5}
     faithful = [{"volume": 1.0}, bad | {"volume": 2.0}, {"volume": 4.0}]
     solid = [
-        {"volume": 0.9, "changed": 0.1, "dropped_components": 2},
-        {"volume": 2.2, "changed": 0.3},
-        {"volume": 4.0, "changed": 0.2},
+        {"volume": 0.9, "faces": 8, "held": 2, "dropped_components": 2},
+        {"volume": 2.2, "faces": 8},
+        {"volume": 4.0, "faces": 4},
     ]
     table, text = quality(
         sampled("chair", "tetgan-LR", 0, "paper", none={"generated": faithful}),
@@ -70,11 +70,11 @@ def test_modes_stand_side_by_side(sampled, quality):
     assert (float(paper["min_dihedral"]), paper["self_intersections"]) == (0.5, "4")
     assert ours["radius_ratios"] == paper["radius_ratios"] == RECORD["radius_ratios"].replace("1", "3")
     assert float(ours["min_radius_ratio"]) == pytest.approx(RECORD["min_radius_ratio"])
-    assert [paper[name] for name in ("changed_median", "dropped_components", "volume_ratio")] == [""] * 3
+    assert [paper[name] for name in ("held_share", "dropped_components", "volume_to_paper")] == [""] * 3
     assert (float(ours["valid"]), ours["inverted_tets"], ours["dropped_components"]) == (1.0, "0", "2")
-    assert float(ours["changed_median"]) == pytest.approx(0.2)
-    assert float(ours["changed_p95"]) == pytest.approx(0.29)
-    assert float(ours["volume_ratio"]) == pytest.approx(1.0)  # the median of 0.9, 1.1 and 1
+    assert float(ours["held_share"]) == pytest.approx(0.2)  # 2 of half of 20 faces
+    assert float(ours["volume_to_paper"]) == pytest.approx(1.0)  # the median of 0.9, 1.1 and 1
+    assert ours["volume_ratio"] == ""  # nobody knows the shape of a sample
     assert set(table["manifold_edges_paper"]) == {"98.5%"}
     assert "| tetgan-LR, solid, no wLS" in text
     assert "1 (20 %)" in text and "100 % [100, 100] (paper 98.5%)" in text
@@ -83,7 +83,7 @@ def test_modes_stand_side_by_side(sampled, quality):
 def test_intervals_hold_what_they_are_of_and_narrow_with_more_meshes(sampled, quality):
     rng = np.random.default_rng(0)
     rows = [
-        {"valid": bool(good), "volume": 1 + spread, "changed": spread}
+        {"valid": bool(good), "volume": 1 + spread}
         for good, spread in zip(rng.random(400) < 0.5, rng.random(400), strict=True)
     ]
     faithful = [{"volume": 1.0}] * 400
@@ -94,7 +94,7 @@ def test_intervals_hold_what_they_are_of_and_narrow_with_more_meshes(sampled, qu
         sampled("chair", "many", 0, "solid", none={"generated": rows}),
     )
     few, many = (row for _, row in table[table["mode"] == "solid"].iterrows())
-    for name in ("valid", "changed_median", "changed_p95", "volume_ratio"):
+    for name in ("valid", "volume_to_paper"):
         low, value, high = (float(many[name + part]) for part in ("_low", "", "_high"))
         assert low <= value <= high
         assert high - low < (float(few[f"{name}_high"]) - float(few[f"{name}_low"])) / 2
@@ -103,7 +103,20 @@ def test_intervals_hold_what_they_are_of_and_narrow_with_more_meshes(sampled, qu
     assert float(many["valid_high"]) - share == pytest.approx(half, rel=0.2)
     assert f"| {100 * share:.3g} % [" in text
     faithful_row = table[table["mode"] == "paper"].iloc[0]
-    assert faithful_row["volume_ratio_low"] == faithful_row["changed_median_high"] == ""
+    assert faithful_row["volume_to_paper_low"] == faithful_row["volume_ratio_high"] == ""
+
+
+def test_solids_of_known_shapes_are_measured_by_their_volumes(sampled, quality, tmp_path):
+    catalogue = tmp_path / "data" / "chair" / "catalogue.csv"
+    catalogue.parent.mkdir(parents=True)
+    catalogue.write_text("id,split,cube_volume\n0000,train,2.0\n0001,train,1.0\n0002,holdout,\n")
+    solids = [{"volume": 1.9}, {"volume": 1.05}, {"volume": 9.0}]
+    truth = sampled("chair", "fields", 0, "solid", none={"generated": solids}, method="representation")
+    (row,) = quality(truth, catalogues=[catalogue])[0].to_dict("records")
+    assert float(row["volume_ratio"]) == pytest.approx(1.0)  # the median of 0.95 and 1.05
+    catalogue.write_text("id,split\n0000,train\n")
+    with pytest.raises(UserError, match="no column 'cube_volume'; repair the shapes again"):
+        quality(truth, catalogues=[catalogue])
 
 
 def test_shapes_smoothings_and_seeds(sampled, quality):
@@ -138,7 +151,7 @@ def test_meshes_are_compared_by_id_and_seed(sampled, quality):
         sampled("chair", "tetgan-LR", 1, "solid", none=twice),
     ]
     table, _ = quality(*folders)
-    assert float(table["volume_ratio"].iloc[1]) == pytest.approx((1 / 0.5 + 2 / 0.4) / 2)
+    assert float(table["volume_to_paper"].iloc[1]) == pytest.approx((1 / 0.5 + 2 / 0.4) / 2)
     assert (table["n"].iloc[0], table["empty"].iloc[0]) == ("2", "2")
 
 

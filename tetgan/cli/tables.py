@@ -62,14 +62,19 @@ def tabulate_quality(
     ],
     out: TableOut,
     paper: Paper,
+    catalogue: Annotated[
+        list[Path] | None,
+        typer.Option(help="{category}/catalogue.csv, for the volumes of shapes. May be repeated."),
+    ] = None,
 ) -> None:
-    """Tell how many meshes are valid solids, what keeps the others from it, and what was changed for it.
+    """Tell how many meshes are valid solids, what keeps the others from it, and whether they keep the shape.
 
-    Example: `tetgan tabulate-quality results/samples/chair/tetgan-LR/0/* quality.csv --paper paper.csv`
+    Example: `tetgan tabulate-quality results/samples/chair/tetgan-LR/0/* quality.csv --paper paper.csv
+    --catalogue results/data/chair/catalogue.csv`
     """
     from tetgan.tables.quality import tabulate_quality
 
-    tabulate_quality(samples, paper, out)
+    tabulate_quality(samples, catalogue or [], paper, out)
 
 
 @app.command(rich_help_panel=PANEL)

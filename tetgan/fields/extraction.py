@@ -1,5 +1,6 @@
 """Fields of closed surface meshes, for one shape and for a shard."""
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -35,9 +36,7 @@ def extract_field(vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 
     """
     vertices, faces = _contiguous(vertices, faces)
     squared, _, closest = igl.point_mesh_squared_distance(grid.centroids, vertices, faces)
-    asked, region = _regions(np.sqrt(squared), grid)
-    occupied = is_inside(grid.centroids[asked], vertices, faces)
-    return Field(occupied[region], (closest - grid.centroids).astype(np.float32))
+    return _field(np.sqrt(squared), closest, vertices, faces, grid)
 
 
 def extract_graded(
@@ -61,25 +60,74 @@ def extract_graded(
         depth: number of subdivisions near the surface.
         reach: in longest edges of the finest level; 1 makes all tets fine at the ends of every edge that the
             surface crosses.
-        interior: `fine` subdivides all tets inside as well.
+        interior: `fine` subdivides all tets inside as well. Those out of reach are not looked up one by one:
+            their displacement ends at the surface, in the point closest to the first ancestor that was out
+            of reach, so it is no shorter than the distance.
 
     Raises:
         ValueError: the mesh has no faces.
     """
     vertices, faces = _contiguous(vertices, faces)
     margin = reach * base.longest_edge / (base.unit * 2**depth)
+    count = len(base.tets)
+    choice = _Choice(
+        vertices, faces, margin, interior == "fine", np.zeros(count, dtype=bool), np.empty((count, 3))
+    )
+    grid = graded_grid(base, depth, choice)
+    # Of the finest tets, which are the last, the children of those chosen last come first.
+    deep = np.count_nonzero(grid.level < depth) + np.flatnonzero(choice.deep)
+    asked = np.ones(len(grid.tets), dtype=bool)
+    asked[deep] = False
+    distances, closest = np.full(len(grid.tets), margin), np.empty((len(grid.tets), 3))
+    squared, _, closest[asked] = igl.point_mesh_squared_distance(grid.centroids[asked], vertices, faces)
+    distances[asked], closest[deep] = np.sqrt(squared), choice.closest[choice.deep]
+    return grid, _field(distances, closest, vertices, faces, grid)
 
-    def choose(level: int, corners: Float[np.ndarray, "N 4 3"]) -> Bool[np.ndarray, "N"]:
+
+@dataclass(eq=False)
+class _Choice:
+    """Chooses tets within `margin` of a surface and, where `fine` is set, those inside.
+
+    Attributes:
+        deep: (N,) of the tets to be asked for next, which are the children of those chosen last, those that
+            are inside and out of reach because an ancestor is.
+        closest: (N, 3) for deep ones, the point of the surface that is closest to that ancestor's centroid.
+    """
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    margin: float
+    fine: bool
+    deep: Bool[np.ndarray, "N"]
+    closest: Float[np.ndarray, "N 3"]
+
+    def __call__(self, level: int, corners: Float[np.ndarray, "N 4 3"]) -> Bool[np.ndarray, "N"]:
         centroids = corners.mean(axis=1)
-        radii = np.linalg.norm(corners - centroids[:, None], axis=2).max(axis=1)
-        squared, _, _ = igl.point_mesh_squared_distance(centroids, vertices, faces)
-        chosen = np.sqrt(squared) <= radii + margin
-        if interior == "fine":
-            chosen[~chosen] = is_inside(centroids[~chosen], vertices, faces)
+        asked = np.flatnonzero(~self.deep)
+        radii = np.linalg.norm(corners[asked] - centroids[asked, None], axis=2).max(axis=1)
+        squared, _, self.closest[asked] = igl.point_mesh_squared_distance(
+            centroids[asked], self.vertices, self.faces
+        )
+        far = asked[np.sqrt(squared) > radii + self.margin]
+        if self.fine:
+            self.deep[far] = is_inside(centroids[far], self.vertices, self.faces)
+        chosen = np.ones(len(corners), dtype=bool)
+        chosen[far] = self.deep[far]
+        self.deep, self.closest = (np.repeat(array[chosen], 8, axis=0) for array in (self.deep, self.closest))
         return chosen
 
-    grid = graded_grid(base, depth, choose)
-    return grid, extract_field(vertices, faces, grid)
+
+def _field(
+    distances: Float[np.ndarray, "T"],
+    closest: Float[np.ndarray, "T 3"],
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+    grid: TetGrid,
+) -> Field:
+    """Displacement to `closest`; occupancy by regions, for which the distances may be lower bounds."""
+    asked, region = _regions(distances, grid)
+    occupied = is_inside(grid.centroids[asked], vertices, faces)
+    return Field(occupied[region], (closest - grid.centroids).astype(np.float32))
 
 
 def _contiguous(

@@ -1,7 +1,7 @@
 """From a field to a solid mesh."""
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
 from tetgan.fields.extraction import extract_graded
@@ -9,6 +9,7 @@ from tetgan.fields.field import Field, VertexField
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.lattice import open_lattice
+from tetgan.meshing.agreement import make_planes_agree
 from tetgan.meshing.background import lattice_around, subdivisions
 from tetgan.meshing.filtering import filter_occupancy
 from tetgan.meshing.isosurface import Fit, cut_solid, drop_small_pieces
@@ -89,7 +90,10 @@ def _valid_solid(
         planes = _planes_of_surface(_faithful_solid(grid, occupancy, field.vertex_displacement, None), cells)
         changes = np.empty((0, 3))
     else:
-        planes = planes_of_field(field, grid, occupancy)
+        kept = occupancy == field.occupancy
+        planes = make_planes_agree(
+            planes_of_field(field, grid, occupancy), _neighbors_among(grid, kept), _mean_edge(grid)
+        )
         changes = _between(grid, occupancy)
     lattice, distances = lattice_around(planes, changes, cells, options.interior)
     fit = Fit(options.min_dihedral, options.rounds, options.beta if smoothing else None)
@@ -107,6 +111,16 @@ def _planes_of_surface(mesh: SolidMesh, cells: int) -> Planes:
     depth = subdivisions(cells)
     lattice, field = extract_graded(mesh.vertices, mesh.faces, open_lattice(cells >> depth), depth)
     return planes_of_field(field, lattice, field.occupancy)
+
+
+def _neighbors_among(grid: TetGrid, kept: Bool[np.ndarray, "T"]) -> Int[np.ndarray, "K 4"]:
+    """The neighbours of some tets among themselves, numbered as they come; -1 where there is none."""
+    number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)  # a missing neighbour reads the last
+    return number[grid.neighbors[kept]]
+
+
+def _mean_edge(grid: TetGrid) -> float:
+    return float(np.linalg.norm(np.diff(grid.vertices[grid.edges], axis=1), axis=2).mean())
 
 
 def _between(grid: TetGrid, occupancy: Bool[np.ndarray, "T"]) -> Float[np.ndarray, "C 3"]:

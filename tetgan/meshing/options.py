@@ -38,7 +38,7 @@ class MeshingOptions(Options):
         2.0,
         ge=0.5,
         le=4,
-        description="cells along a side of a solid's lattice, over those of one with as many tets as the grid",
+        description="cells along a solid's lattice, over those of one with as many tets as the grid",
     )
     interior: Literal["fine", "graded"] = Field(
         "fine", description="tets inside a solid: all of one size, or coarser the further from its surface"

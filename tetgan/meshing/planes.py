@@ -1,4 +1,4 @@
-"""What the tets of a field know of its surface, and the signed distance that they agree on."""
+"""Tangent planes that the tets of a field know of its surface, and the signed distance they agree on."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -64,10 +64,13 @@ class Planes:
         distance, normal = np.empty(len(points)), np.empty((len(points), 3))
         for rows in _chunks(len(points)):
             distance[rows], normal[rows] = self._mean(points[rows], self._nearest(points[rows]))
-        return distance, normal
+        beyond = (
+            np.abs(points - 0.5).max(axis=1) - 0.5
+        )  # fields end at the wall of the cube, and so do solids
+        return np.maximum(distance, beyond), normal
 
     def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]:
-        """Points on the surface near the given ones: two steps of Newton, none longer than `reach`."""
+        """Points of the cube on the surface near the given ones: two steps of Newton, none beyond `reach`."""
         return self.projection(points, reach)(points)
 
     def projection(
@@ -83,7 +86,7 @@ class Planes:
                     distance, normal = self._mean(projected[rows], nearest[rows])
                     squares = np.maximum((normal**2).sum(axis=1), 0.25)  # normals that disagree: a short mean
                     projected[rows] -= np.clip(distance / squares, -reach, reach)[:, None] * normal
-            return projected
+            return projected.clip(0, 1)
 
         return project
 

@@ -1,4 +1,4 @@
-"""Which vertices of a lattice may come to lie on a level set without a change of its topology."""
+"""Vertices of a lattice drawn onto a level set without a change of its topology."""
 
 from typing import NamedTuple
 

@@ -17,7 +17,7 @@ _RECORDS = "records.csv"
 
 _TEXTS = ("id", "path", "sha256", "split", "status", "reason")
 
-_NUMBERS = ("faces_in", "faces_out", "volume", "distance", "filled_share", "seconds")
+_NUMBERS = ("faces_in", "faces_out", "volume", "cube_volume", "distance", "filled_share", "seconds")
 
 _COLUMNS: dict[str, Any] = dict.fromkeys(_TEXTS, str) | dict.fromkeys(_NUMBERS, float)
 

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import track
 
 from tetgan.errors import UserError
+from tetgan.geometry.triangles import TriangleMesh
 from tetgan.shapes.archive import write_meshes
 from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.entries import ShapeEntry
@@ -49,7 +50,9 @@ def repair_shard(
                 record, repaired = _repair_entry(category, source, repair, entry, worker)
                 records.append(record)
                 if repaired is not None:
-                    yield entry.id, normalise(repaired.solid.vertices, margin), repaired.solid.faces
+                    placed = TriangleMesh(normalise(repaired.solid.vertices, margin), repaired.solid.faces)
+                    record["cube_volume"] = placed.volume
+                    yield entry.id, placed.vertices, placed.faces
 
     write_meshes(out, meshes(), records)
 

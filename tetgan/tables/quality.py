@@ -1,9 +1,9 @@
 """Stage: how many meshes are valid solids, and what that takes, both modes side by side."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from tetgan.evaluation.intervals import bootstrap
 from tetgan.evaluation.metrics import headings_of
 from tetgan.evaluation.options import BootstrapOptions
 from tetgan.evaluation.seeds import named_rng
+from tetgan.shapes.catalogue import read_catalogue
 from tetgan.solids.folder import CERTIFICATES, KINDS, SampleFolder
 from tetgan.tables.markdown import markdown_table, page, plain, round_value, row_name, write_twins
 from tetgan.tables.paper import OWN_METHODS, quoted_figure, read_paper
@@ -33,11 +34,6 @@ _STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
     "components": ("components", np.mean),
 }
 
-_SOLID_STATISTICS: dict[str, tuple[str, Callable[..., Any]]] = {
-    "changed_median": ("changed", np.median),
-    "changed_p95": ("changed", partial(np.quantile, q=0.95)),
-}
-
 FIGURES = (
     *("valid", "valid_low", "valid_high"),
     "inverted_tets",
@@ -53,14 +49,24 @@ FIGURES = (
     *("components", "components_low", "components_high"),
     "cavities",
     "dropped_components",
-    *("changed_median", "changed_median_low", "changed_median_high"),
-    *("changed_p95", "changed_p95_low", "changed_p95_high"),
+    "held_share",
     *("volume_ratio", "volume_ratio_low", "volume_ratio_high"),
+    *("volume_to_paper", "volume_to_paper_low", "volume_to_paper_high"),
 )
 
 _COUNTS = ("tets", "seeds", "n", "empty", *SUMS, "dropped_components")
 
-_NEEDED = {"id", "set", "valid", "p1_dihedral", "radius_ratios", "changed", "dropped_components", *SUMS}
+_NEEDED = {
+    "id",
+    "set",
+    "valid",
+    "p1_dihedral",
+    "radius_ratios",
+    "snapped",
+    "held",
+    "dropped_components",
+    *SUMS,
+}
 
 _HEADINGS = {
     **headings_of(("valid", "inverted_tets")),
@@ -73,12 +79,12 @@ _HEADINGS = {
     "self_intersections": "Self-intersections ↓",
     **headings_of(("components",)),
     "dropped_components": "Dropped",
-    "changed_median": "Changed, median",
-    "changed_p95": "Changed, 95 %",
-    "volume_ratio": "Volume to paper",
+    "held_share": "Held back",
+    "volume_ratio": "Volume to shape",
+    "volume_to_paper": "Volume to paper",
 }
 
-_SHARES = {"valid", "manifold_edges", "changed_median", "changed_p95"}
+_SHARES = {"valid", "manifold_edges", "held_share"}
 
 _NOTES = [
     "Valid: no inverted tet, every boundary edge with two faces, every boundary vertex with one fan of them, "
@@ -88,8 +94,9 @@ _NOTES = [
     "Inverted tets, non-manifold edges and vertices, self-intersections and dropped pieces are sums over "
     "meshes. Angles are in degrees: the least of all tets, and the mean over meshes of what 1 % of their "
     "tets fall short of. Components are means. Empty meshes are left out.",
-    "Changed: tets added or removed to make the boundary manifold, as a share of those there were. Volume to "
-    "paper: median over meshes of the volume beside that of mode `paper`.",
+    "Held back: vertices of the boundary, counted as half of its faces, that the bound on angles keeps more "
+    "than a tenth of a cell from the surface. Volume to shape: median over meshes of the volume over that of "
+    "the repaired shape that the field is of; to paper: over that of the same field's mesh in mode `paper`.",
     "The paper states manifold edges of its ground-truth chairs and of generated ones (in parentheses), and "
     "names neither grid nor smoothing.",
     "[…]: bootstrap intervals of 95 % over meshes.",
@@ -131,11 +138,12 @@ class _Samples:
         return found
 
 
-def tabulate_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
+def tabulate_quality(samples: Sequence[Path], catalogues: Sequence[Path], paper: Path, out: Path) -> None:
     """Write the table as CSV, and as Markdown beside it.
 
     Args:
         samples: folders `…/{category}/{model}/{seed}/{mode}` of models on a grid.
+        catalogues: `…/{category}/catalogue.csv`, for the volumes of the shapes.
         paper: published figures (`tetgan.tables.paper`).
         out: `.csv` to write.
 
@@ -147,14 +155,21 @@ def tabulate_quality(samples: Sequence[Path], paper: Path, out: Path) -> None:
     for folder in samples:
         if len(folder.parts) < 4 or not folder.parts[-2].isdigit():
             raise UserError(f"{folder}: no folder {{category}}/{{model}}/{{seed}}/{{mode}} of samples")
-    table = build_quality([_Samples(folder) for folder in samples], read_paper(paper))
+    volumes = {path.parent.name: _shape_volumes(path) for path in catalogues}
+    table = build_quality([_Samples(folder) for folder in samples], volumes, read_paper(paper))
     write_twins(table, _render(table), out)
 
 
-def build_quality(samples: Sequence[_Samples], paper: pd.DataFrame) -> pd.DataFrame:
-    """A row a category, model, mode, smoothing and kind of shapes: `IDENTITY`, then `FIGURES`."""
+def build_quality(
+    samples: Sequence[_Samples], volumes: Mapping[str, pd.Series], paper: pd.DataFrame
+) -> pd.DataFrame:
+    """A row a category, model, mode, smoothing and kind of shapes: `IDENTITY`, then `FIGURES`.
+
+    Args:
+        volumes: of the shapes of each category, by their ids.
+    """
     rows = [
-        _row(members, smoothing, kind, samples, paper)
+        _row(members, smoothing, kind, samples=samples, volumes=volumes, paper=paper)
         for members in _of_one_row(samples)
         for smoothing in members[0].certificates
         for kind in KINDS
@@ -172,8 +187,21 @@ def _of_one_row(samples: Sequence[_Samples]) -> Iterator[list[_Samples]]:
     yield from groups.values()
 
 
+def _shape_volumes(catalogue: Path) -> pd.Series:
+    table = read_catalogue(catalogue)
+    if "cube_volume" not in table:
+        raise UserError(f"{catalogue}: no column 'cube_volume'; repair the shapes again")
+    return pd.to_numeric(table.set_index("id")["cube_volume"]).dropna()
+
+
 def _row(
-    members: Sequence[_Samples], smoothing: str, kind: str, samples: Sequence[_Samples], paper: pd.DataFrame
+    members: Sequence[_Samples],
+    smoothing: str,
+    kind: str,
+    *,
+    samples: Sequence[_Samples],
+    volumes: Mapping[str, pd.Series],
+    paper: pd.DataFrame,
 ) -> dict[str, Any]:
     category, model, _, mode = members[0].place
     found = [_meshes(member, smoothing, kind) for member in members]
@@ -198,7 +226,8 @@ def _row(
         if own
         else None,
         **(_figures(solids, mode) if len(solids) else {}),
-        **_estimate("volume_ratio", _volume_ratios(members, samples, smoothing, kind), np.median),
+        **_estimate("volume_ratio", _ratios(solids, volumes.get(category)), np.median),
+        **_estimate("volume_to_paper", _ratios_to_paper(members, samples, smoothing, kind), np.median),
     }
 
 
@@ -222,11 +251,10 @@ def _figures(solids: pd.DataFrame, mode: str) -> dict[str, Any]:
         "min_radius_ratio": float(solids["min_radius_ratio"].min()),
         "radius_ratios": " ".join(map(str, _histogram(solids["radius_ratios"]))),
     }
-    statistics = _STATISTICS
     if mode == "solid":
         figures["dropped_components"] = int(solids["dropped_components"].sum())
-        statistics = _STATISTICS | _SOLID_STATISTICS
-    for name, (column, statistic) in statistics.items():
+        figures["held_share"] = float(solids["held"].sum() / (solids["faces"].sum() / 2))
+    for name, (column, statistic) in _STATISTICS.items():
         figures |= _estimate(name, solids[column].to_numpy(np.float64), statistic)
     return figures
 
@@ -247,7 +275,14 @@ def _histogram(counts: pd.Series) -> Int[np.ndarray, "B"]:
     return np.sum([np.array(each.split(), dtype=np.int64) for each in counts], axis=0)
 
 
-def _volume_ratios(
+def _ratios(solids: pd.DataFrame, volumes: pd.Series | None) -> Float[np.ndarray, "N"]:
+    """Volume of each solid of a known shape over the shape's; none for generated ones."""
+    if volumes is None:
+        return np.empty(0)
+    return (solids["volume"] / volumes.reindex(solids.index)).dropna().to_numpy(np.float64)
+
+
+def _ratios_to_paper(
     members: Sequence[_Samples], samples: Sequence[_Samples], smoothing: str, kind: str
 ) -> Float[np.ndarray, "N"]:
     """Volume of each solid over that of the same field meshed as the paper does; none in mode `paper`."""

@@ -85,6 +85,9 @@ rule tabulate_manifold:
 rule tabulate_quality:
     input:
         samples=SOLID_SAMPLES,
+        catalogues=expand(
+            "<results>/data/{category}/catalogue.csv", category=config["categories"]
+        ),
         paper=workflow.source_path("../resources/paper_tables.csv"),
     output:
         table=report(
@@ -102,8 +105,12 @@ rule tabulate_quality:
         mem_mb=500,
     params:
         code=code_digest("tetgan.tables.quality:tabulate_quality"),
+        catalogues=lambda wildcards, input: [
+            word for path in input.catalogues for word in ("--catalogue", path)
+        ],
     shell:
-        "tetgan tabulate-quality {input.samples:q} {output.table:q} --paper {input.paper:q} >{log:q} 2>&1"
+        "tetgan tabulate-quality {input.samples:q} {output.table:q} --paper {input.paper:q} {params.catalogues:q}"
+        " >{log:q} 2>&1"
 
 
 rule tabulate_dataset:
