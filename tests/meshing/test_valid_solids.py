@@ -190,7 +190,7 @@ def test_a_graded_solid_is_valid_and_has_the_same_boundary(fine_grid):
     operator = vertex_operator(fine_grid)
     fine, graded = (
         build_solid(
-            field, fine_grid, operator, mu, MeshingOptions(interior=each, resolution=2.0), smoothing=False
+            field, fine_grid, operator, mu, MeshingOptions(interior=each, resolution=2.6), smoothing=False
         )
         for each in ("fine", "graded")
     )
