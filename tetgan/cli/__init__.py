@@ -10,6 +10,7 @@ from tetgan.cli import data as data
 from tetgan.cli import evaluation as evaluation
 from tetgan.cli import models as models
 from tetgan.cli import simulation as simulation
+from tetgan.cli import solidify as solidify
 from tetgan.cli import solids as solids
 from tetgan.cli import studies as studies
 from tetgan.cli import tables as tables

@@ -29,7 +29,15 @@ class RemeshWorker(MeshWorker):
             ShapeError: the child raised, crashed, or took too long.
         """
         used, faces = np.unique(boundary_faces(solid.tets), return_inverse=True)
-        answer = self._exchange(TriangleMesh(solid.vertices[used], faces.reshape(-1, 3)))
+        return self.remesh_surface(TriangleMesh(solid.vertices[used], faces.reshape(-1, 3)))
+
+    def remesh_surface(self, surface: TriangleMesh) -> TetMesh:
+        """Tets that fill a surface.
+
+        Raises:
+            ShapeError: the child raised, crashed, or took too long.
+        """
+        answer = self._exchange({"vertices": surface.vertices, "faces": surface.faces})
         vertices, tets = answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 4)
         # fTetWild orders the corners of a tet the other way round.
         turned = tet_volumes(vertices, tets) < 0

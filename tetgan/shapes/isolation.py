@@ -76,11 +76,11 @@ class MeshWorker:
 
     def _send(self, soup: TriangleMesh) -> TriangleMesh:
         """One mesh through the child, and what it makes of it; see `_exchange`."""
-        answer = self._exchange(soup)
+        answer = self._exchange({"vertices": soup.vertices, "faces": soup.faces})
         return TriangleMesh(answer["vertices"].reshape(-1, 3), answer["faces"].reshape(-1, 3))
 
-    def _exchange(self, soup: TriangleMesh) -> dict[str, np.ndarray]:
-        """One mesh through the child, and its answer by name.
+    def _exchange(self, request: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        """Named arrays through the child, and those of its answer.
 
         Raises:
             ShapeError: the child raised, crashed, or took too long.
@@ -88,7 +88,7 @@ class MeshWorker:
         process = self._running()
         assert process.stdin is not None and process.stdout is not None
         try:
-            write_message(process.stdin, {"vertices": soup.vertices, "faces": soup.faces})
+            write_message(process.stdin, request)
         except BrokenPipeError:
             raise ShapeError(self._obituary()) from None
         ready, _, _ = select.select([process.stdout], [], [], self._patience)

@@ -81,26 +81,38 @@ METHODS: dict[str, Callable[..., Arrays]] = {
 
 
 def serve(repair: Callable[[np.ndarray, np.ndarray], Arrays], timeout_seconds: float) -> None:
+    """Answer meshes by meshes; see `serve_requests`."""
+
+    def answer(request: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        vertices, faces = repair(request["vertices"], request["faces"])
+        return {"vertices": np.asarray(vertices, float), "faces": np.asarray(faces, np.int64)}
+
+    serve_requests(answer, timeout_seconds)
+
+
+def serve_requests(
+    answer: Callable[[dict[str, np.ndarray]], dict[str, np.ndarray]],
+    timeout_seconds: float,
+    memory_bytes: int = _MEMORY_BYTES,
+) -> None:
     """Answer requests until stdin closes; an exception becomes an answer with its text.
 
     A request that takes more than `timeout_seconds` of processor time ends the process by SIGPROF. Unlike
     wall time that does not depend on what else the machine does, so neither does which shapes are rejected.
     """
-    resource.setrlimit(resource.RLIMIT_AS, (_MEMORY_BYTES, _MEMORY_BYTES))
+    resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
     # The libraries print to stdout, which belongs to the answers: theirs goes to stderr.
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
     while (request := read_message(sys.stdin.buffer)) is not None:
         signal.setitimer(signal.ITIMER_PROF, timeout_seconds)
         try:
-            vertices, faces = repair(request["vertices"], request["faces"])
+            found = answer(request)
             signal.setitimer(signal.ITIMER_PROF, 0)
         except Exception as error:
             write_message(answers, {"error": np.array(f"{type(error).__name__}: {error}")})
         else:
-            write_message(
-                answers, {"vertices": np.asarray(vertices, float), "faces": np.asarray(faces, np.int64)}
-            )
+            write_message(answers, found)
 
 
 def main() -> None:

@@ -1,6 +1,10 @@
-"""Consistent systems of units for files of solvers, which know none."""
+"""Consistent systems of units for files of solvers, which know none, and lengths with a unit."""
 
+import math
+import re
 from typing import NamedTuple
+
+from tetgan.errors import UserError
 
 
 class UnitSystem(NamedTuple):
@@ -32,3 +36,29 @@ UNITS = {
     "in": UnitSystem(0.0254, 4.4482216152605, "in, lbf, lbf s2/in, s, psi"),
 }
 """By the unit of length."""
+
+
+def parse_length(text: str, units: str | None, name: str) -> float:
+    """A length such as `0.02` or `5mm`, in the unit of a mesh.
+
+    Args:
+        units: of the mesh, one of `UNITS`; None where nobody knows it, and a number has to do.
+        name: of the argument, for the error.
+
+    Raises:
+        UserError: no length, or one with a unit where that of the mesh is not known.
+    """
+    found = re.fullmatch(r"\s*([-+.\deE]+?)\s*(mm|cm|m|in)?\s*", text)
+    try:
+        value = float(found[1]) if found else math.nan
+    except ValueError:
+        value = math.nan
+    if not (found and 0 < value < math.inf):
+        raise UserError(f"{name}: '{text}' is no length; give a number, or one with {', '.join(UNITS)}")
+    if found[2] is None:
+        return value
+    if units not in UNITS:
+        raise UserError(
+            f"{name}: '{text}' has a unit; say by --units what the mesh is in: {', '.join(UNITS)}"
+        )
+    return value * UNITS[found[2]].length / UNITS[units].length
