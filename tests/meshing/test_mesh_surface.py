@@ -27,17 +27,19 @@ def test_closest_points_and_their_normals():
     assert TRIANGLES.closest(np.empty((0, 3))).points.shape == (0, 3)
 
 
+def projected(height, place, reach):
+    surface = MeshSurface(planes_of_top(height), TRIANGLES)
+    points = np.array([place]) + MIDDLE
+    return surface.projection(points, reach)(points) - MIDDLE
+
+
 def test_planes_that_err_a_little_are_mended():
-    projected = MeshSurface(planes_of_top(0.013), TRIANGLES).project(
-        np.array([[0.1, 0.1, 0.05]]) + MIDDLE, 0.1
-    )
-    np.testing.assert_allclose(projected - MIDDLE, [[0.1, 0.1, 0.01]], atol=1e-12)
+    np.testing.assert_allclose(projected(0.013, [0.1, 0.1, 0.05], 0.1), [[0.1, 0.1, 0.01]], atol=1e-12)
 
 
 def test_the_other_side_of_a_thin_part_is_not_taken():
     # The planes err so much that its bottom is nearer; nor is what lies out of reach.
     for height, reach in ((-0.013, 0.1), (0.05, 0.03)):
-        projected = MeshSurface(planes_of_top(height), TRIANGLES).project(
-            np.array([[0.1, 0.1, 0.06]]) + MIDDLE, reach
+        np.testing.assert_allclose(
+            projected(height, [0.1, 0.1, 0.06], reach), [[0.1, 0.1, height]], atol=1e-12
         )
-        np.testing.assert_allclose(projected - MIDDLE, [[0.1, 0.1, height]], atol=1e-12)

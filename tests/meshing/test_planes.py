@@ -102,3 +102,11 @@ def test_the_planes_of_one_side_do_not_make_the_other_thicker():
     rng = np.random.default_rng(0)
     points = np.column_stack([rng.uniform(0.2, 0.8, (400, 2)), 0.52 + half * rng.choice([-1, 1], 400)])
     assert np.abs(planes.distance(points)).mean() < 0.1 * half
+
+
+def test_a_centroid_on_the_surface_takes_its_neighbours_normal():
+    tet = int(np.abs(GRID.centroids[:, 0] - 0.5).argmin())
+    field = plane_field(np.array([1.0, 0.0, 0.0]), float(GRID.centroids[tet, 0]))
+    field.displacement[tet] = [0.0, 1e-8, 0.0]  # rounding, which points anywhere
+    planes = planes_of_field(field, GRID, field.occupancy)
+    np.testing.assert_allclose(planes.normals[tet], [1.0, 0.0, 0.0], atol=1e-6)

@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from tetgan.geometry.triangles import TriangleMesh, area_normals
 from tetgan.meshing.planes import Planes
+from tetgan.meshing.relaxation import Projection
 
 _AGREES = 0.5  # least cosine between a face's normal and that of the planes
 
@@ -64,11 +65,16 @@ class MeshSurface:
     ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
         return self.planes.distance_and_normal(points)
 
-    def project(self, points: Float[np.ndarray, "N 3"], reach: float) -> Float[np.ndarray, "N 3"]:
-        """Points on the triangles near those on the planes, no further from them than `reach`."""
-        projected = self.planes.project(points, reach)
-        closest = self.triangles.closest(projected)
-        _, normal = self.planes.distance_and_normal(projected)
-        length = np.maximum(np.linalg.norm(normal, axis=1), np.finfo(float).tiny)
-        agrees = np.einsum("nc,nc->n", normal, closest.normals) > _AGREES * length
-        return np.where((agrees & (closest.squared <= reach**2))[:, None], closest.points, projected)
+    def projection(self, points: Float[np.ndarray, "N 3"], reach: float) -> Projection:
+        """Takes points near the given ones to the planes, then to triangles that are within reach."""
+        to_planes = self.planes.projection(points, reach)
+
+        def project(places: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+            projected = to_planes(places)
+            closest = self.triangles.closest(projected)
+            _, normal = self.planes.distance_and_normal(projected)
+            length = np.maximum(np.linalg.norm(normal, axis=1), np.finfo(float).tiny)
+            agrees = np.einsum("nc,nc->n", normal, closest.normals) > _AGREES * length
+            return np.where((agrees & (closest.squared <= reach**2))[:, None], closest.points, projected)
+
+        return project
