@@ -108,7 +108,7 @@ def operator(grid):
 
 
 def test_variants_are_those_that_samples_are_made_of(grid, operator, ball):
-    field, options = extract_field(*ball, grid), MeshingOptions.parse({})
+    field, options = extract_field(*ball, grid), MeshingOptions.parse({"mode": "paper"})
     for mu in (0.001, 1.0):  # the first filters surface tets away
         solids = build_variants(field, grid, operator, mu, options)
         assert list(solids) == list(VARIANTS)
