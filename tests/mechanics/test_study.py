@@ -168,3 +168,13 @@ def test_the_study_compares_with_ftetwild(samples, tmp_path):
     rows = pd.read_csv(out, dtype={"id": str}).set_index("id")
     assert rows["difference"].notna().tolist() == [False, False, True, True, False]
     assert rows["refined_difference"].abs().max() < 0.1
+
+
+@needs_ftetwild
+@pytest.mark.slow
+def test_large_bodies_are_not_cut_into_eight(samples, tmp_path, monkeypatch):
+    monkeypatch.setattr("tetgan.mechanics.study._MOST_REFINED", 0)
+    out = tmp_path / "study.csv"
+    simulate_samples(samples, out, SimulationOptions(remeshed=1), {"mode": "solid"})
+    rows = pd.read_csv(out)
+    assert rows["difference"].notna().any() and rows["refined_difference"].isna().all()
