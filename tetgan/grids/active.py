@@ -56,7 +56,7 @@ def adjacencies(hierarchy: GridHierarchy) -> list[Adjacency]:
 
 
 def active_levels(around: Sequence[Adjacency], near: Bool[np.ndarray, "T"]) -> list[ActiveLevel]:
-    """The active set of a shape, coarse to fine: all coarsest tets, then the children of those that are split.
+    """The active set of a shape, coarse to fine: all coarsest tets, then children of those that are split.
 
     A tet is split if a finest tet inside it is `near`, so every finest tet that is near is active.
 
