@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from jaxtyping import Bool, Int, Int8, Int32
@@ -64,7 +64,7 @@ def active_levels(around: Sequence[Adjacency], near: Bool[np.ndarray, "T"]) -> l
         around: `adjacencies` of the hierarchy.
         near: of the finest tets, whether they must be active.
     """
-    wanted = [near]
+    wanted: list[Any] = [near]
     for _ in around[1:]:
         wanted.insert(0, wanted[0].reshape(-1, CHILDREN).any(axis=1))
     # At the finest level nothing is split.

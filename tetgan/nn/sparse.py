@@ -18,20 +18,22 @@ class ActiveNeighbors(NamedTuple):
     """Face adjacency of N active tets, of one shape or of several.
 
     Attributes:
-        rows: (N, 4) their neighbours; N, the row of zeros, where none is active.
+        rows: (N, 5) the tet itself, then its neighbours; N, the row of zeros, where none is active.
         back: (N, 4) for each neighbour and the slot in which it has this tet, their place in a table (N, 4);
             4 N where there is none.
     """
 
-    rows: Int[Tensor, "N 4"]
+    rows: Int[Tensor, "N 5"]
     back: Int[Tensor, "N 4"]
 
     @classmethod
     def of_table(cls, neighbors: Int[Tensor, "N 4"], back: Int[Tensor, "N 4"]) -> "ActiveNeighbors":
         """From an `ActiveLevel`'s: places, with -1 for a missing neighbour, and slots that lead back."""
         count, missing = len(neighbors), neighbors < 0
-        rows = torch.where(missing, count, neighbors)
-        return cls(rows, rows * FACES + torch.where(missing, 0, back).to(rows.dtype))
+        around = torch.where(missing, count, neighbors)
+        itself = torch.arange(count, dtype=around.dtype, device=around.device)[:, None]
+        back = around * FACES + torch.where(missing, 0, back).to(around.dtype)
+        return cls(torch.cat([itself, around], dim=1), back)
 
 
 def active_conv(
@@ -54,8 +56,7 @@ class _ActiveConv(torch.autograd.Function):
 
     @staticmethod
     def forward(ctx: Any, x: Tensor, weight: Tensor, bias: Tensor, neighbors: ActiveNeighbors) -> Tensor:
-        around = _with_zero(x).index_select(0, neighbors.rows.flatten()).view(len(x), FACES * x.shape[1])
-        columns = torch.cat([x, around], dim=1)
+        columns = _with_zero(x).index_select(0, neighbors.rows.flatten()).view(len(x), SLOTS * x.shape[1])
         ctx.save_for_backward(columns, weight, neighbors.back)
         return torch.addmm(bias, columns, weight.flatten(0, 1))
 
@@ -67,7 +68,8 @@ class _ActiveConv(torch.autograd.Function):
         if ctx.needs_input_grad[0]:
             # What each tet owes to the neighbour in each slot, fetched by that neighbour.
             channels = weight.shape[1]
-            owed = grad.new_zeros(len(grad) * FACES + 1, channels)
+            owed = grad.new_empty(len(grad) * FACES + 1, channels)
+            owed[-1] = 0
             there = weight[1:].permute(2, 0, 1).flatten(1)
             torch.mm(grad, there, out=owed[:-1].view(len(grad), FACES * channels))
             dx = torch.addmm(owed.index_select(0, back[:, 0]), grad, weight[0].T)
