@@ -13,6 +13,7 @@ from jaxtyping import Int
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from torch import Tensor, nn
+from torch.utils import deterministic
 
 from tetgan.errors import UserError
 from tetgan.training.checkpoint import load_checkpoint, run_digest, save_checkpoint
@@ -174,13 +175,19 @@ def step_draws(seed: int, step: int) -> torch.Generator:
 
 @contextmanager
 def _deterministic() -> Iterator[None]:
-    """Algorithms whose result does not depend on timing, where PyTorch has them."""
+    """Algorithms whose result does not depend on timing, where PyTorch has them.
+
+    New memory is not filled first, as PyTorch then does: nothing reads what it did not write.
+    """
     before = torch.are_deterministic_algorithms_enabled()
+    filled = deterministic.fill_uninitialized_memory
     torch.use_deterministic_algorithms(True, warn_only=True)
+    deterministic.fill_uninitialized_memory = False
     try:
         yield
     finally:
         torch.use_deterministic_algorithms(before)
+        deterministic.fill_uninitialized_memory = filled
 
 
 class LastFinite:
