@@ -13,7 +13,6 @@ from jaxtyping import Int
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from torch import Tensor, nn
-from torch.utils import deterministic
 
 from tetgan.errors import UserError
 from tetgan.training.checkpoint import load_checkpoint, run_digest, save_checkpoint
@@ -22,6 +21,8 @@ from tetgan.training.log import RunLog
 from tetgan.training.processes import process_place
 
 log = logging.getLogger(__name__)
+
+MEMORY: Any = torch.utils.deterministic  # its types do not know what it holds
 
 
 class TrainingLoop:
@@ -180,14 +181,14 @@ def _deterministic() -> Iterator[None]:
     New memory is not filled first, as PyTorch then does: nothing reads what it did not write.
     """
     before = torch.are_deterministic_algorithms_enabled()
-    filled = deterministic.fill_uninitialized_memory
+    filled = MEMORY.fill_uninitialized_memory
     torch.use_deterministic_algorithms(True, warn_only=True)
-    deterministic.fill_uninitialized_memory = False
+    MEMORY.fill_uninitialized_memory = False
     try:
         yield
     finally:
         torch.use_deterministic_algorithms(before)
-        deterministic.fill_uninitialized_memory = filled
+        MEMORY.fill_uninitialized_memory = filled
 
 
 class LastFinite:
