@@ -90,3 +90,14 @@ def test_each_child_has_a_matrix_of_its_own():
     upsample, x = ActiveUpsample(3, 2), torch.randn(2, 3)
     matrices, biases = upsample.weight.view(8, 2, 3), upsample.bias.view(8, 2)
     torch.testing.assert_close(upsample(x)[8 + 5], matrices[5] @ x[1] + biases[5])
+
+
+def test_under_autocast_it_computes_in_half_precision():
+    _, neighbors = finest(0, 0.05)
+    x, layer = numbers(len(neighbors.rows), 4).float(), ActiveConv(4, 3)
+    exact = layer(x, neighbors)
+    with torch.autocast("cpu", dtype=torch.bfloat16):
+        rounded = layer(x, neighbors)
+    rounded.float().sum().backward()
+    assert rounded.dtype == torch.bfloat16 and layer.weight.grad.dtype == torch.float32
+    torch.testing.assert_close(rounded.float(), exact, rtol=0.03, atol=0.03)  # eight binary places

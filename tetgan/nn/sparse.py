@@ -42,7 +42,13 @@ def active_conv(
     bias: Float[Tensor, "D"],
     neighbors: ActiveNeighbors,
 ) -> Float[Tensor, "N D"]:
-    """y[k] = x[k] W₀ + Σ_s x[n(k, s)] W_s + bias, with zero rows for neighbours that are not active."""
+    """y[k] = x[k] W₀ + Σ_s x[n(k, s)] W_s + bias, with zero rows for neighbours that are not active.
+
+    Under autocast in its number format.
+    """
+    if torch.is_autocast_enabled(x.device.type):
+        dtype = torch.get_autocast_dtype(x.device.type)
+        x, weight, bias = x.to(dtype), weight.to(dtype), bias.to(dtype)
     y: Tensor = _ActiveConv.apply(x, weight, bias, neighbors)
     return y
 

@@ -49,10 +49,12 @@ class Oracle(nn.Module):
             sides = 2 * (level.share > 0.5).float() - 1
             self.outputs.append(torch.stack([sides, 2 * level.split - 1], dim=1))
         self.outputs.append(torch.cat([batch.distance[:, None], 3 * batch.normal], dim=1))
-        self.upsample = [lambda x: x.repeat(8, 1) for _ in self.outputs]
 
     def start(self, code):
         return torch.zeros(code.shape[0] * code.shape[1], 1)
+
+    def rise(self, number, x):
+        return x.repeat(8, 1)
 
     def level(self, number, x, neighbors):
         assert len(x) == len(neighbors.rows) == len(self.outputs[number])

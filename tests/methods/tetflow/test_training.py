@@ -151,3 +151,17 @@ def test_step_sizes_rise_and_fall(tiny_index):
     # A quarter of the rise; half of the way down; the last step.
     rates = [learner.autoencoder.rate_at(step) for step in (0, 15, 30)]
     assert rates == pytest.approx([0.1 / 4, 0.1 * (0.005 + 0.995 / 2), 0.1 * 0.005])
+
+
+def test_half_precision_gives_nearly_the_same_losses(tiny_index):
+    full, half = (
+        TetflowLearner(OPTIONS, brief(precision=precision), FieldStore.open(tiny_index), 0)
+        for precision in ("fp32", "bf16")
+    )
+    for step in (0, full.first_flow_step):
+        pair = (
+            learner.take_step(torch.arange(8), step, 0.0, step_draws(0, step)) for learner in (full, half)
+        )
+        one, other = ({name: float(value) for name, value in losses.items()} for losses in pair)
+        assert one == pytest.approx(other, rel=0.03, abs=1e-3)
+        assert one != other

@@ -22,7 +22,10 @@ LOG_VARIANCES = (-8.0, 4.0)
 
 
 class Block(nn.Module):
-    """x + conv(SiLU(conv(norm(x)))), nearly the identity at the start."""
+    """x + conv(SiLU(conv(norm(x)))), nearly the identity at the start.
+
+    Sums stay in single precision whatever the convolutions compute in.
+    """
 
     def __init__(self, channels: int) -> None:
         super().__init__()
@@ -64,16 +67,17 @@ class Encoder(nn.Module):
 
     def forward(self, batch: ActiveBatch) -> tuple[Float[Tensor, "B K Z"], Float[Tensor, "B K Z"]]:
         clipped = batch.distance.clamp(-CLIP, CLIP)
-        x = self.enter[-1](torch.cat([batch.distance.sign()[:, None], clipped[:, None], batch.normal], dim=1))
+        told = torch.cat([batch.distance.sign()[:, None], clipped[:, None], batch.normal], dim=1)
+        x = self.enter[-1](told).float()
         if len(batch.levels) == 1:
             x = self._placed(x, batch.shapes)
         x = self.blocks[-1](x, batch.levels[-1].neighbors)
         for number in reversed(range(len(batch.levels) - 1)):
             level = batch.levels[number]
-            pooled = self.pool[number](x)
-            x = self.enter[number](level.share[:, None]).index_add(0, level.parents, pooled)
+            pooled = self.pool[number](x).float()
+            x = self.enter[number](level.share[:, None]).float().index_add(0, level.parents, pooled)
             x = self.blocks[number](x if number else self._placed(x, batch.shapes), level.neighbors)
-        mean, log_variance = self.head(x).view(batch.shapes, len(self.place), -1).chunk(2, dim=-1)
+        mean, log_variance = self.head(x).float().view(batch.shapes, len(self.place), -1).chunk(2, dim=-1)
         return mean, log_variance.clamp(*LOG_VARIANCES)
 
     def _placed(self, x: Float[Tensor, "N C"], count: int) -> Float[Tensor, "N C"]:
@@ -101,14 +105,19 @@ class Decoder(nn.Module):
 
     def start(self, code: Float[Tensor, "B K Z"]) -> Float[Tensor, "N C"]:
         """Features of the coarsest tets of all shapes."""
-        return (self.enter(code) + self.place).flatten(0, 1)
+        return (self.enter(code).float() + self.place).flatten(0, 1)
 
     def level(
         self, number: int, x: Float[Tensor, "N C"], neighbors: ActiveNeighbors
     ) -> tuple[Float[Tensor, "N C"], Float[Tensor, "N O"]]:
         """Features behind a level's blocks, and its outputs."""
         x = self.blocks[number](x, neighbors)
-        return x, self.leave[number](x)
+        return x, self.leave[number](x).float()
+
+    def rise(self, number: int, x: Float[Tensor, "P C"]) -> Float[Tensor, "N D"]:
+        """Features of the children of a level's split tets."""
+        features: Tensor = self.upsample[number](x).float()
+        return features
 
     def forward(self, code: Float[Tensor, "B K Z"], batch: ActiveBatch) -> list[Float[Tensor, "_N _O"]]:
         """Outputs of every level, where tets are split as those of the batch are."""
@@ -117,7 +126,7 @@ class Decoder(nn.Module):
             x, output = self.level(number, x, level.neighbors)
             outputs.append(output)
             if number < len(self.upsample):
-                x = self.upsample[number](x.index_select(0, level.parents))
+                x = self.rise(number, x.index_select(0, level.parents))
         return outputs
 
 

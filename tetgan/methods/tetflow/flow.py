@@ -35,7 +35,9 @@ class Layer(nn.Module):
 
     def _attend(self, x: Float[Tensor, "B K C"]) -> Float[Tensor, "B K C"]:
         query, key, value = self.project(x).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
-        found = functional.scaled_dot_product_attention(query, key, value)
+        # In half precision its backward pass takes five times as long on a CPU.
+        with torch.autocast(x.device.type, enabled=False):
+            found = functional.scaled_dot_product_attention(query.float(), key.float(), value.float())
         return self.join(found.transpose(1, 2).flatten(2))
 
 
@@ -59,10 +61,10 @@ class CodeFlow(nn.Module):
         rates = torch.linspace(0, math.log(1000), FREQUENCIES, device=x.device).exp()
         angles = time[:, None] * rates
         told = self.time(torch.cat([angles.sin(), angles.cos()], dim=1))
-        x = self.enter(x) + self.place
+        x = self.enter(x).float() + self.place
         for layer in self.layers:
             x = layer(x, told)
-        return self.leave(self.norm(x))
+        return self.leave(self.norm(x)).float()
 
     def carry(self, noise: Float[Tensor, "B K Z"], steps: int) -> Float[Tensor, "B K Z"]:
         """Codes from noise: equal steps by Heun's method, the last by Euler's."""

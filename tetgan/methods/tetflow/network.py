@@ -103,7 +103,7 @@ class TetflowGenerator(FieldGenerator):
             inside.ravel()[cells] = found[:, 0] > 0
             split = found[:, 1] > 0
             leaves.append(cells[~split])
-            x = decoder.upsample[number](x[torch.from_numpy(split).to(x.device)])
+            x = decoder.rise(number, x[torch.from_numpy(split).to(x.device)])
             cells, inside = children_of(cells[split]), inside.repeat(CHILDREN, axis=1)
         inside.ravel()[cells] = found[:, 0] < 0
         length = np.linalg.norm(found[:, 1:], axis=1, keepdims=True)

@@ -69,6 +69,11 @@ class TetflowTraining(CommonTraining):
     flow_ema: float = Field(0.998, gt=0, lt=1, description="decay of the running mean of the flow's weights")
     warmup: int = Field(100, ge=0, description="steps in which each step size rises from zero")
     gradient_clip: float = Field(1.0, gt=0, description="largest norm of a gradient")
+    precision: Literal["fp32", "bf16"] = Field(
+        "fp32",
+        description="number format of products; bf16 leaves sums and losses in single precision, and is slow "
+        "on processors that have no instructions for it",
+    )
 
 
 METHOD = Method(

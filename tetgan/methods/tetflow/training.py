@@ -126,14 +126,20 @@ class TetflowLearner(Learner):
     def _autoencoder_step(self, shapes: list[ActiveShape], step: int, draws: torch.Generator) -> Losses:
         network, training = self.generator.autoencoder, self.training
         batch = collate(shapes, self.device)
-        mean, log_variance = network.encoder(batch)
-        noise = torch.randn(mean.shape, generator=draws).to(self.device)
-        outputs = network.decoder(mean + noise * (0.5 * log_variance).exp(), batch)
+        with self._precision():
+            mean, log_variance = network.encoder(batch)
+            noise = torch.randn(mean.shape, generator=draws).to(self.device)
+            outputs = network.decoder(mean + noise * (0.5 * log_variance).exp(), batch)
         terms = reconstruction_losses(outputs, batch, training.split_weight)
         divergence = kl_divergence(mean, log_variance)
         total = torch.stack([*terms.values(), training.kl_weight * divergence]).sum()
         self.autoencoder.descend(total, step, training.gradient_clip)
         return {name: term.detach() for name, term in (terms | {"kl": divergence}).items()}
+
+    def _precision(self) -> torch.autocast:
+        """Inside, products are computed in the format of the options."""
+        wanted = self.training.precision == "bf16"
+        return torch.autocast(self.device.type, dtype=torch.bfloat16, enabled=wanted)
 
     def _standardise(self) -> None:
         """Set the mean and the deviation of the training codes, which the flow draws in units of."""
@@ -155,7 +161,8 @@ class TetflowLearner(Learner):
         if self.codes is None:  # those of the kept weights, again after a resumption
             self.codes = self._encode(self.data)
         rows = torch.randint(self.shapes, (self.training.flow_batch_size,), generator=draws)
-        loss = self._flow_loss(self.codes, rows.to(self.device), draws)
+        with self._precision():
+            loss = self._flow_loss(self.codes, rows.to(self.device), draws)
         self.flow.descend(loss, step, self.training.gradient_clip)
         return {"flow_loss": loss.detach()}
 
