@@ -148,9 +148,9 @@ def test_step_sizes_rise_and_fall(tiny_index):
         OPTIONS, brief(epochs=10, learning_rate=0.1, warmup=4), FieldStore.open(tiny_index), 0
     )
     assert learner.autoencoder.steps == 30
-    # A quarter of the rise; half of the way down; the last step.
+    # The rise takes a tenth, three steps; half of the way down; the last step.
     rates = [learner.autoencoder.rate_at(step) for step in (0, 15, 30)]
-    assert rates == pytest.approx([0.1 / 4, 0.1 * (0.005 + 0.995 / 2), 0.1 * 0.005])
+    assert rates == pytest.approx([0.1 / 3, 0.1 * (0.005 + 0.995 / 2), 0.1 * 0.005])
 
 
 def test_half_precision_gives_nearly_the_same_losses(tiny_index):

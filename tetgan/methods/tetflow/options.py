@@ -67,7 +67,9 @@ class TetflowTraining(CommonTraining):
         1e-3, gt=0, description="Adam's step size for the flow, which falls too"
     )
     flow_ema: float = Field(0.998, gt=0, lt=1, description="decay of the running mean of the flow's weights")
-    warmup: int = Field(100, ge=0, description="steps in which each step size rises from zero")
+    warmup: int = Field(
+        100, ge=0, description="steps in which each step size rises, but no more than a tenth of all"
+    )
     gradient_clip: float = Field(1.0, gt=0, description="largest norm of a gradient")
     precision: Literal["fp32", "bf16"] = Field(
         "fp32",

@@ -31,6 +31,8 @@ BETAS = (0.9, 0.99)
 
 LOWEST = 0.005  # share of the step size that is left at the end
 
+SHORT = 10  # times as long as its warmup a stage is at least
+
 VALIDATION_DRAWS = 8  # times and noises of each held-out code
 
 
@@ -45,13 +47,14 @@ class Stage:
     """Optimiser, course of the step size and running mean of one network."""
 
     def __init__(self, network: nn.Module, rate: float, steps: int, ema: float, warmup: int) -> None:
-        self.network, self.rate, self.steps, self.warmup = network, rate, steps, warmup
+        self.network, self.rate, self.steps = network, rate, steps
+        self.warmup = max(1, min(warmup, steps // SHORT))
         self.optimizer = torch.optim.Adam(network.parameters(), rate, betas=BETAS)
         self.average = WeightAverage(network, ema)
 
     def rate_at(self, step: int) -> float:
         """Step size: a linear rise, under half a cosine over the whole stage."""
-        rise = min(1.0, (step + 1) / max(self.warmup, 1))
+        rise = min(1.0, (step + 1) / self.warmup)
         return self.rate * rise * (LOWEST + (1 - LOWEST) * (1 + math.cos(math.pi * step / self.steps)) / 2)
 
     def descend(self, loss: Float[Tensor, ""], step: int, clip: float) -> None:
