@@ -5,7 +5,10 @@ import pytest
 import torch
 from torch import nn
 
+from tetgan.fields.field import Field, vertex_operator
 from tetgan.grids.hierarchy import build_hierarchy
+from tetgan.meshing.build import build_solid
+from tetgan.meshing.options import MeshingOptions
 from tetgan.methods.tetflow.autoencoder import Autoencoder
 from tetgan.methods.tetflow.network import TetflowGenerator
 from tetgan.methods.tetflow.options import TetflowOptions
@@ -175,3 +178,16 @@ def test_a_saved_model_draws_as_before(store, tmp_path):
     for one, other in pairs:
         np.testing.assert_array_equal(one.occupancy, other.occupancy)
         np.testing.assert_array_equal(one.displacement, other.displacement)
+
+
+@pytest.mark.parametrize("mode", ["solid", "paper"])
+def test_a_decoded_ball_is_meshed_like_its_field(known, mode):
+    model, fields = known
+    decoded = model.decode(torch.zeros(2, *model.latent_shape)).numpy()
+    grid, options = HIERARCHY.finest, MeshingOptions.parse({"mode": mode})
+    operator, mu = vertex_operator(grid), 0.02
+    for (occupancy, displacement), found in zip(fields, decoded, strict=True):
+        pair = Field(occupancy, displacement), Field(found[:, 0] > 0, found[:, 1:])
+        exact, ours = (build_solid(field, grid, operator, mu, options, smoothing=False) for field in pair)
+        # Away from the active tets feet are shared, which moves few vertices, and those little.
+        assert ours.volumes.sum() == pytest.approx(exact.volumes.sum(), rel=0.02)
