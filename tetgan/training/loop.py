@@ -22,6 +22,8 @@ from tetgan.training.processes import process_place
 
 log = logging.getLogger(__name__)
 
+MEMORY: Any = torch.utils.deterministic  # its types do not know what it holds
+
 
 class TrainingLoop:
     """One run of a learner.
@@ -174,13 +176,19 @@ def step_draws(seed: int, step: int) -> torch.Generator:
 
 @contextmanager
 def _deterministic() -> Iterator[None]:
-    """Algorithms whose result does not depend on timing, where PyTorch has them."""
+    """Algorithms whose result does not depend on timing, where PyTorch has them.
+
+    New memory is not filled first, as PyTorch then does: nothing reads what it did not write.
+    """
     before = torch.are_deterministic_algorithms_enabled()
+    filled = MEMORY.fill_uninitialized_memory
     torch.use_deterministic_algorithms(True, warn_only=True)
+    MEMORY.fill_uninitialized_memory = False
     try:
         yield
     finally:
         torch.use_deterministic_algorithms(before)
+        MEMORY.fill_uninitialized_memory = filled
 
 
 class LastFinite:

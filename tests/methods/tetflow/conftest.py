@@ -1,0 +1,3 @@
+"""Fixtures of these tests."""
+
+from boxes import store  # noqa: F401

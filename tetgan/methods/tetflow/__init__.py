@@ -1,0 +1,1 @@
+"""TetFlow: an autoencoder on active sets of tets, and a flow that draws its codes."""
