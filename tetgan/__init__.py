@@ -2,21 +2,20 @@
 
 from importlib import import_module
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from tetgan.meshing.solidify import solidify as solidify
+from typing import Any
 
 __version__ = version("tetgan")
 
-_LAZY = {"solidify": "tetgan.meshing.solidify"}
-"""What is imported when it is first asked for, and the module that it is in."""
+# Imported when first asked for, and put together from parts: on what the package names, every stage of the
+# workflow would depend (`tetgan.code`).
+_LAZY = {"solidify": ("meshing", "solidify")}
+"""Name to the place of its module in this package."""
 
 
 def __getattr__(name: str) -> Any:
     if name not in _LAZY:
         raise AttributeError(f"module 'tetgan' has no attribute '{name}'")
-    return getattr(import_module(_LAZY[name]), name)
+    return getattr(import_module(".".join((__name__, *_LAZY[name]))), name)
 
 
 def __dir__() -> list[str]:
