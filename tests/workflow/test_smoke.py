@@ -48,7 +48,8 @@ def test_the_gathered_tables_hold_what_the_run_measured(smoked):
     assert {"generated", "ground truth", "repaired"} == set(shown["shapes"])
     assert shown[["manifold_edges", "boundary_edges", "nonmanifold_edges"]].sum(axis=1).round(9).eq(1).all()
     solid = tables["quality"][tables["quality"]["mode"] == "solid"]
-    assert set(solid["model"]) == {"tetgan-LR", "tetgan-HR", "representation-LR", "representation-HR"}
+    of_fields = {"tetgan-LR", "tetgan-HR", "tetflow-LR", "representation-LR", "representation-HR"}
+    assert set(solid["model"]) == of_fields
     solid = solid[solid["n"] > 0]  # a model hardly trained may leave everything empty
     faults = ["inverted_tets", "nonmanifold_edges", "nonmanifold_vertices", "self_intersections"]
     assert (solid["valid"].eq(1) & solid[faults].eq(0).all(axis=1) & solid["min_dihedral"].ge(14.999)).all()
@@ -94,7 +95,7 @@ def test_a_deleted_output_reruns_only_what_depends_on_it(smoked):
     (project.folder / shard).unlink()
     rerun = planned(project.smoke("-n", *TARGETS, shard))
     (project.folder / shard).write_bytes(content)
-    on_lr, in_two_modes = 5, 2  # TetGAN, the representation and three PCAs
+    on_lr, in_two_modes = 6, 3  # TetGAN, TetFlow, the representation; and three PCAs
     assert rerun == {
         "extract_fields": 1,
         "index_fields": 1,
