@@ -60,9 +60,9 @@ class TetflowTraining(CommonTraining):
         0.998, gt=0, lt=1, description="decay of the running mean of the autoencoder's weights"
     )
     flow_epochs: int = Field(
-        20, ge=0, description="epochs of the flow afterwards, of as many steps as one of the autoencoder"
+        30, ge=0, description="epochs of the flow afterwards, of as many steps as one of the autoencoder"
     )
-    flow_batch_size: int = Field(32, ge=1, description="codes a step of the flow")
+    flow_batch_size: int = Field(16, ge=1, description="codes a step of the flow")
     flow_learning_rate: float = Field(
         1e-3, gt=0, description="Adam's step size for the flow, which falls too"
     )
