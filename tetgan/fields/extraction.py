@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
 
 import igl
 import numpy as np
@@ -18,7 +17,7 @@ from tetgan.grids.graded import GradedGrid, graded_grid
 from tetgan.grids.grid import TetGrid
 from tetgan.grids.hierarchy import grid_from_options
 from tetgan.grids.lattice import Lattice
-from tetgan.grids.options import GridOptions
+from tetgan.grids.options import GridOptions, Interior
 from tetgan.shapes.archive import read_meshes
 
 
@@ -46,7 +45,7 @@ def extract_graded(
     depth: int,
     *,
     reach: float = 1.0,
-    interior: Literal["graded", "fine"] = "graded",
+    interior: Interior = "graded",
 ) -> tuple[GradedGrid, Field]:
     """The field of `extract_field` on a lattice that is fine only near the surface.
 

@@ -1,10 +1,14 @@
 """Options of a grid: a lattice or a `.tet` file, and the number of subdivisions."""
 
 from pathlib import Path
+from typing import Literal
 
 from pydantic import Field, model_validator
 
 from tetgan.options import Options
+
+Interior = Literal["graded", "fine"]
+"""Tets inside a surface: coarser the further from it, or all of the finest level."""
 
 
 class GridOptions(Options):

@@ -10,7 +10,7 @@ _NOISY = 0.15  # median disagreement beyond which a field counts as decoded; exa
 
 _NEIGHBOURS = 12  # planes that a plane is compared with
 
-_WIDTH = 0.5  # of the weights, over the mean edge of the tets
+_WIDTH = 0.5  # of the weights, over the typical edge of the tets
 
 _DOUBT = 0.3  # disagreement at which a plane's slope counts half
 
@@ -38,7 +38,7 @@ def make_planes_agree(planes: Planes, neighbors: Int[np.ndarray, "T 4"], edge: f
 
     Args:
         neighbors: of the tets that the planes are of.
-        edge: mean edge of the tets.
+        edge: typical one of the tets.
     """
     near = np.abs(planes.distances) < 2 * edge
     missed = disagreements(planes, neighbors)

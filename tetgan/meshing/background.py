@@ -1,20 +1,16 @@
 """The lattice that a solid is cut from: fine where its surface is, and a signed distance at its vertices."""
 
-from typing import Literal
-
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import distance_transform_edt
 
 from tetgan.grids.graded import GradedGrid, graded_grid
 from tetgan.grids.lattice import open_lattice
+from tetgan.grids.options import Interior
+from tetgan.meshing.isosurface import around_crossings
 from tetgan.meshing.planes import Planes
 
-Interior = Literal["fine", "graded"]
-
 _REACH = 3.0  # cells around the surface that are fine: it crosses edges of one, and two rings make way for it
-
-_BEYOND = 1.0  # cells around the cube that a solid may reach into
 
 _MARGIN = 4  # cells around the cube, at least, that the lattice has
 
@@ -57,7 +53,7 @@ def lattice_around(
         grid = graded_grid(open_lattice(cells >> depth, _margin(depth)), depth, choose)
         fine = (grid.level == depth) & ~grid.green
         distances = _distances(grid, fine, planes, reached, cell)
-        unexpected = _around_crossings(grid.tets, distances) & ~fine
+        unexpected = around_crossings(grid.tets, distances)[1] & ~fine
         if not unexpected.any():
             return grid, distances
         near.append(grid.centroids[unexpected])
@@ -97,26 +93,12 @@ def _margin(depth: int) -> int:
 def _distances(
     grid: GradedGrid, fine: Bool[np.ndarray, "T"], planes: Planes, reached: _Reached, cell: float
 ) -> Float[np.ndarray, "V"]:
-    of_fine, beyond = np.zeros((2, len(grid.vertices)), dtype=bool)
-    of_fine[grid.tets[fine]] = True
-    beyond[((grid.vertices < -_BEYOND * cell) | (grid.vertices > 1 + _BEYOND * cell)).any(axis=1)] = True
-    known = of_fine & reached.within(grid.vertices, _REACH * cell) & ~beyond
-    distances = np.full(len(known), cell)
+    known = np.zeros(len(grid.vertices), dtype=bool)
+    known[grid.tets[fine]] = True
+    known &= reached.within(grid.vertices, _REACH * cell)
+    distances = np.full(len(known), cell)  # beyond the wall of the cube, where solids end
     distances[known] = planes.distance(grid.vertices[known])
-    unknown = ~known & ~beyond
-    distances[unknown] = np.where(planes.inside(grid.vertices[unknown]), -cell, cell)
+    others = ~known & (np.abs(grid.vertices - 0.5) <= 0.5).all(axis=1)
+    distances[others] = np.where(planes.inside(grid.vertices[others]), -cell, cell)
     least = 1e-6 * cell  # no vertex lies on the surface by itself
     return np.where(np.abs(distances) < least, least, distances)
-
-
-def _around_crossings(
-    tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]
-) -> Bool[np.ndarray, "T"]:
-    """Tets in which the distance changes its sign, and two rings around them."""
-    negative = (distances < 0)[tets].sum(axis=1)
-    around = (negative > 0) & (negative < 4)
-    near = np.zeros(len(distances), dtype=bool)
-    for _ in range(2):
-        near[tets[around]] = True
-        around = near[tets].any(axis=1)
-    return around

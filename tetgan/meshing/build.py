@@ -4,17 +4,16 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import sparse
 
-from tetgan.fields.extraction import extract_graded
 from tetgan.fields.field import Field, VertexField
 from tetgan.geometry.adjacency import boundary_faces
 from tetgan.grids.grid import TetGrid
-from tetgan.grids.lattice import open_lattice
 from tetgan.meshing.agreement import make_planes_agree
 from tetgan.meshing.background import lattice_around, subdivisions
 from tetgan.meshing.filtering import filter_occupancy
 from tetgan.meshing.isosurface import Fit, cut_solid, drop_small_pieces
+from tetgan.meshing.mesh_surface import Triangles, cut_surface
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.planes import Planes, planes_of_field
+from tetgan.meshing.planes import planes_of_field, typical_edge
 from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.solids.solid import SolidMesh
 
@@ -48,7 +47,7 @@ def build_solid(
     """
     occupancy = filter_occupancy(field, grid.neighbors, mu, options.gamma)
     if options.mode == "solid":
-        return _valid_solid(field, grid, operator, occupancy, options, smoothing=smoothing)
+        return _valid_solid(field, grid, occupancy, options, smoothing=smoothing)
     displacement = (
         field.vertex_displacement if isinstance(field, VertexField) else operator @ field.displacement
     )
@@ -76,7 +75,6 @@ def _faithful_solid(
 def _valid_solid(
     field: Field | VertexField,
     grid: TetGrid,
-    operator: sparse.csr_array,
     occupancy: Bool[np.ndarray, "T"],
     options: MeshingOptions,
     *,
@@ -84,20 +82,20 @@ def _valid_solid(
 ) -> SolidMesh:
     """The solid cut from a lattice."""
     if not occupancy.any():
-        return SolidMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
+        return SolidMesh.empty()
     cells = lattice_cells(len(grid.tets), options.resolution)
-    if isinstance(field, VertexField):
-        planes = _planes_of_surface(_faithful_solid(grid, occupancy, field.vertex_displacement, None), cells)
-        changes = np.empty((0, 3))
-    else:
-        kept = occupancy == field.occupancy
-        planes = make_planes_agree(
-            planes_of_field(field, grid, occupancy), _neighbors_among(grid, kept), _mean_edge(grid)
-        )
-        changes = _between(grid, occupancy)
-    lattice, distances = lattice_around(planes, changes, cells, options.interior)
     fit = Fit(options.min_dihedral, options.rounds, options.beta if smoothing else None)
-    solid = cut_solid(lattice, distances, planes, 1 / cells, fit)
+    if isinstance(field, VertexField):
+        faithful = _faithful_solid(grid, occupancy, field.vertex_displacement, None)
+        surface = Triangles(faithful.vertices.clip(0, 1), faithful.faces)
+        depth = subdivisions(cells)
+        solid = cut_surface(surface, cells >> depth, depth, fit, options.interior)
+    else:
+        planes = planes_of_field(field, grid, occupancy)
+        neighbors = _neighbors_among(grid, occupancy == field.occupancy)
+        planes = make_planes_agree(planes, neighbors, typical_edge(grid))
+        lattice, distances = lattice_around(planes, _between(grid, occupancy), cells, options.interior)
+        solid = cut_solid(lattice, distances, planes, 1 / cells, fit)
     return drop_small_pieces(solid, options.min_component)
 
 
@@ -106,21 +104,10 @@ def lattice_cells(tets: int, resolution: float) -> int:
     return _MULTIPLE * max(1, round(resolution * (tets / 12) ** (1 / 3) / _MULTIPLE))
 
 
-def _planes_of_surface(mesh: SolidMesh, cells: int) -> Planes:
-    """The planes that the tets of a lattice near a surface know, whatever is wrong with the surface."""
-    depth = subdivisions(cells)
-    lattice, field = extract_graded(mesh.vertices, mesh.faces, open_lattice(cells >> depth), depth)
-    return planes_of_field(field, lattice, field.occupancy)
-
-
 def _neighbors_among(grid: TetGrid, kept: Bool[np.ndarray, "T"]) -> Int[np.ndarray, "K 4"]:
     """The neighbours of some tets among themselves, numbered as they come; -1 where there is none."""
     number = np.append(np.where(kept, np.cumsum(kept) - 1, -1), -1)  # a missing neighbour reads the last
     return number[grid.neighbors[kept]]
-
-
-def _mean_edge(grid: TetGrid) -> float:
-    return float(np.linalg.norm(np.diff(grid.vertices[grid.edges], axis=1), axis=2).mean())
 
 
 def _between(grid: TetGrid, occupancy: Bool[np.ndarray, "T"]) -> Float[np.ndarray, "C 3"]:

@@ -1,5 +1,6 @@
 """From what the tets of a field know of a surface to a solid bounded by it."""
 
+from dataclasses import replace
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -14,8 +15,6 @@ from tetgan.meshing.relaxation import Bounds, Projection, Space, bounds_of, rela
 from tetgan.meshing.smoothing import smooth_vertices
 from tetgan.meshing.snapping import snap_vertices
 from tetgan.solids.solid import SolidChanges, SolidMesh
-
-_RINGS = 2  # of vertices around the surface that make way for it
 
 _DRAWN = 0.75  # of an edge: a vertex as near to where the surface crosses it may be drawn there
 
@@ -68,10 +67,9 @@ def cut_solid(
     """
     signs = np.where(distances < 0, -1, 1)
     if not (signs < 0).any():
-        return SolidMesh(np.empty((0, 3)), np.empty((0, 4), dtype=np.int64), np.empty((0, 3), dtype=np.int64))
-    mixed = _of_both_signs(grid.tets, signs)
-    makes_way, near = _surroundings(grid.tets, mixed, len(signs))
-    candidates, away = _nearest(*_beside_crossings(grid, grid.tets[mixed], distances))
+        return SolidMesh.empty()
+    makes_way, near = around_crossings(grid.tets, distances)
+    candidates, away = _nearest(*_beside_crossings(grid, grid.tets[near], distances))
     signs = snap_vertices(grid.tets[near], signs, candidates, away)
     cut = cut_tets(grid.tets[near], signs, grid.points)
     nodes = _where_zero(grid, cut.edges, distances)
@@ -115,7 +113,7 @@ def drop_small_pieces(mesh: SolidMesh, smallest: float) -> SolidMesh:
     dropped = shares < min(smallest, shares.max())
     if not dropped.any():
         return mesh
-    changes = SolidChanges(mesh.changes.snapped, mesh.changes.held, tuple(shares[dropped].tolist()))
+    changes = replace(mesh.changes, dropped=tuple(shares[dropped].tolist()))
     return _solid(mesh.vertices, mesh.tets[~dropped[component]], changes)
 
 
@@ -127,20 +125,22 @@ def _solid(
     return SolidMesh(points[used], tets, boundary_faces(tets), changes)
 
 
-def _of_both_signs(tets: Int[np.ndarray, "T 4"], signs: Int[np.ndarray, "V"]) -> Bool[np.ndarray, "T"]:
-    sign = signs[tets]
-    return (sign < 0).any(axis=1) & (sign > 0).any(axis=1)
-
-
-def _surroundings(
-    tets: Int[np.ndarray, "T 4"], mixed: Bool[np.ndarray, "T"], vertices: int
+def around_crossings(
+    tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]
 ) -> tuple[Bool[np.ndarray, "V"], Bool[np.ndarray, "T"]]:
-    """Vertices within rings around the tets of both signs, and all tets that have one of them."""
-    near = np.zeros(vertices, dtype=bool)
-    near[tets[mixed]] = True
-    for _ in range(_RINGS - 1):
-        near[tets[near[tets].any(axis=1)]] = True
+    """Vertices that make way for a surface, and all tets that have one of them.
+
+    They are those of tets in which the distance changes its sign, and one ring more.
+    """
+    near = np.zeros(len(distances), dtype=bool)
+    near[tets[_crossed(tets, distances)]] = True
+    near[tets[near[tets].any(axis=1)]] = True
     return near, near[tets].any(axis=1)
+
+
+def _crossed(tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]) -> Bool[np.ndarray, "T"]:
+    negative = (distances < 0)[tets].sum(axis=1)
+    return (negative > 0) & (negative < 4)
 
 
 def _where_zero(
@@ -156,7 +156,7 @@ def _beside_crossings(
     grid: GradedGrid, tets: Int[np.ndarray, "T 4"], distances: Float[np.ndarray, "V"]
 ) -> tuple[Int[np.ndarray, "N"], Float[np.ndarray, "N"]]:
     """Ends of edges that the surface crosses, where it is near enough to draw them, and how near it is."""
-    edges, _ = unique_edges(tets)
+    edges, _ = unique_edges(tets[_crossed(tets, distances)])
     edges = edges[(distances[edges] < 0).sum(axis=1) == 1]
     places = _where_zero(grid, edges, distances)
     apart = np.linalg.norm(grid.vertices[edges] - places[:, None], axis=2)

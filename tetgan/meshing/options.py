@@ -4,6 +4,7 @@ from typing import Literal
 
 from pydantic import Field
 
+from tetgan.grids.options import Interior
 from tetgan.options import Options
 
 Mode = Literal["solid", "paper"]
@@ -40,6 +41,6 @@ class MeshingOptions(Options):
         le=4,
         description="cells along a solid's lattice, over those of one with as many tets as the grid",
     )
-    interior: Literal["fine", "graded"] = Field(
+    interior: Interior = Field(
         "fine", description="tets inside a solid: all of one size, or coarser the further from its surface"
     )

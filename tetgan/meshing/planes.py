@@ -19,7 +19,7 @@ _CONTRADICTION = 0.01  # weight of planes that face the other way, over that of 
 
 _CHUNK = 1 << 12  # points at once
 
-_BLIND = 1e-3  # of the mean edge: a shorter displacement has no direction
+_BLIND = 1e-3  # of the typical edge: a shorter displacement has no direction
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,19 +127,24 @@ def planes_of_field(field: Field, grid: TetMesh, occupancy: Bool[np.ndarray, "T"
 
     Where a centroid lies on the surface its displacement tells no direction, and its neighbours' normals do.
     A field without displacements says on which side a centroid lies, and no more: all are then a quarter of
-    the mean edge away from a surface of no direction.
+    the typical edge away from a surface of no direction.
     """
     kept = occupancy == field.occupancy
     displacement = field.displacement.astype(np.float64)
     side = np.where(occupancy, -1.0, 1.0)
     length = np.linalg.norm(displacement, axis=1)
-    mean_edge = float((grid.volumes.mean() * 6 * np.sqrt(2)) ** (1 / 3))  # of a regular tet
+    edge = typical_edge(grid)
     if not length.any():
-        return Planes(grid.centroids[kept], side[kept] * mean_edge / 4, np.zeros_like(displacement[kept]))
+        return Planes(grid.centroids[kept], side[kept] * edge / 4, np.zeros_like(displacement[kept]))
     normals = -side[:, None] * displacement / np.maximum(length, np.finfo(float).tiny)[:, None]
-    blind = np.flatnonzero(length < _BLIND * mean_edge)
+    blind = np.flatnonzero(length < _BLIND * edge)
     if len(blind):
-        padded = np.concatenate([normals * (length >= _BLIND * mean_edge)[:, None], np.zeros((1, 3))])
+        padded = np.concatenate([normals * (length >= _BLIND * edge)[:, None], np.zeros((1, 3))])
         around = padded[grid.neighbors[blind]].sum(axis=1)  # a missing neighbour reads the last row
         normals[blind] = around / np.maximum(np.linalg.norm(around, axis=1), np.finfo(float).tiny)[:, None]
     return Planes(grid.centroids[kept], (side * length)[kept], normals[kept])
+
+
+def typical_edge(grid: TetMesh) -> float:
+    """Edge of a regular tet of the mean volume."""
+    return float((grid.volumes.mean() * 6 * np.sqrt(2)) ** (1 / 3))

@@ -1,25 +1,20 @@
 """Any surface to a certified solid, in the surface's own units and place."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from time import perf_counter
 from typing import Any, Literal, NamedTuple
 
 import igl
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from pydantic import Field as Described
 
-from tetgan.fields.extraction import extract_graded
-from tetgan.fields.field import Field
-from tetgan.geometry.tets import TetMesh
 from tetgan.geometry.triangles import TriangleMesh, area_normals
-from tetgan.grids.graded import GradedGrid
-from tetgan.grids.lattice import open_lattice
-from tetgan.meshing.isosurface import Fit, cut_solid, drop_small_pieces
-from tetgan.meshing.mesh_surface import MeshSurface, Triangles
+from tetgan.grids.options import Interior
+from tetgan.meshing.isosurface import Fit, drop_small_pieces
+from tetgan.meshing.mesh_surface import REACH, Triangles, cut_surface
 from tetgan.meshing.options import MeshingOptions
-from tetgan.meshing.planes import Planes, planes_of_field
 from tetgan.options import Options
 from tetgan.shapes.cleaning import ShapeError
 from tetgan.shapes.closing import Method, close_surface, count_pieces
@@ -30,16 +25,6 @@ from tetgan.solids.certificate import Certificate, certify
 from tetgan.solids.export import write_mesh
 from tetgan.solids.solid import SolidMesh
 from tetgan.solids.units import UNITS, parse_length
-
-_NEAR = 1.0  # cells from the surface, where planes tell on which side of it a vertex lies: no edge is longer
-
-_REACH = _NEAR + 2.0  # cells from the surface that are fine: what it crosses from there, and two rings around
-
-_KNOWING = 2.0  # cells from the surface, within which tets lend their planes
-
-_TOUCHES = (
-    1e-3  # cells: vertices nearer lie outside, so a side in a plane of the lattice is one of its planes
-)
 
 _FEWEST = 3  # cells along the cube of the coarsest lattice
 
@@ -66,7 +51,7 @@ class SolidifyOptions(Options):
     alpha: float = Described(
         0.02, gt=0, le=0.5, description="alpha_wrap: gaps up to twice this share of the longest side close"
     )
-    interior: Literal["graded", "fine"] = Described(
+    interior: Interior = Described(
         "graded", description="tets inside: coarser the further from the surface, or all of one size"
     )
     min_dihedral: float = Described(15.0, ge=0, le=25, description="least dihedral angle, in degrees")
@@ -271,55 +256,13 @@ def _read(mesh: Surface) -> TriangleMesh:
 def _check_size(placed: TriangleMesh, frame: Frame) -> None:
     """Refuse what would take hours; the tets near the surface are the most."""
     area = np.linalg.norm(area_normals(placed.triangles), axis=1).sum() / 2
-    tets = 12 * 2 * (_REACH + 1) * area / frame.cell**2
+    tets = 12 * 2 * (REACH + 1) * area / frame.cell**2
     if tets > _MOST_TETS:
         raise ShapeError(f"edges of {frame.edge:g} would take about {tets:.1g} tets; make them longer")
 
 
 def _cut(placed: Triangles, frame: Frame, options: SolidifyOptions) -> SolidMesh:
-    """The solid in the unit cube: one lattice gives the field, and is cut."""
-    margin = 1 + int(np.ceil(_REACH / 2**frame.depth))
-    grid, field = extract_graded(
-        placed.vertices,
-        placed.faces,
-        open_lattice(frame.base, margin),
-        frame.depth,
-        reach=_REACH,
-        interior=options.interior,
-    )
-    length = np.linalg.norm(field.displacement, axis=1)
-    knows = (grid.level == frame.depth) & ~grid.green & (length < _KNOWING * frame.cell)
-    planes = _planes(grid, field, knows, placed, _TOUCHES * frame.cell)
-    distances = _distances(grid, field, knows, planes, frame.cell)
-    surface = MeshSurface(planes, placed)
+    """The solid in the unit cube."""
     fit = Fit(options.min_dihedral, MeshingOptions().rounds)
-    solid = cut_solid(grid, distances, surface, frame.cell, fit)
+    solid = cut_surface(placed, frame.base, frame.depth, fit, options.interior)
     return drop_small_pieces(solid, options.min_component)
-
-
-def _planes(
-    grid: GradedGrid, field: Field, chosen: Bool[np.ndarray, "T"], triangles: Triangles, touching: float
-) -> Planes:
-    """The planes of some tets. Where a centroid is on the surface, no displacement tells the normal."""
-    part = Field(field.occupancy[chosen], field.displacement[chosen])
-    planes = planes_of_field(part, TetMesh(grid.vertices, grid.tets[chosen]), part.occupancy)
-    on = np.abs(planes.distances) < touching
-    normals = planes.normals.copy()
-    normals[on] = triangles.closest(planes.centroids[on]).normals
-    return replace(planes, normals=normals)
-
-
-def _distances(
-    grid: GradedGrid, field: Field, knows: Bool[np.ndarray, "T"], planes: Planes, cell: float
-) -> Float[np.ndarray, "V"]:
-    """Of the lattice's vertices: that of the planes near the surface, elsewhere only its sign is right."""
-    inside, near = np.zeros((2, len(grid.vertices)), dtype=bool)
-    inside[grid.tets[field.occupancy]] = True
-    corners = grid.tets[knows]
-    feet = grid.centroids[knows] + field.displacement[knows]
-    away = np.linalg.norm(grid.vertices[corners] - feet[:, None], axis=2)
-    near[corners[away <= _NEAR * cell]] = True
-    distances = np.where(inside, -cell, cell)
-    distances[near] = planes.distance(grid.vertices[near])
-    least = _TOUCHES * cell
-    return np.where(np.abs(distances) < least, least, distances)

@@ -38,6 +38,12 @@ class SolidMesh(TetMesh):
     faces: Int[np.ndarray, "F 3"]
     changes: SolidChanges = SolidChanges()
 
+    @classmethod
+    def empty(cls) -> "SolidMesh":
+        """The solid without tets."""
+        corners = np.empty((0, 4), dtype=np.int64)
+        return cls(np.empty((0, 3)), corners, corners[:, :3])
+
     @property
     def surface(self) -> TriangleMesh:
         """The boundary, on all vertices."""
